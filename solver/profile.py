@@ -1,6 +1,5 @@
 """Reads a measured profile, two columns x, z in nm, and makes it periodic; reports what it did and what it rejects."""
 
-from os import PathLike
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +7,7 @@ from numpy.typing import NDArray
 
 from .scene import LIMITS
 from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
-from .tables import SHOWN, read_table
+from .tables import SHOWN, Source, listed, read_table
 from .text import UNITS, counted
 
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
@@ -35,15 +34,15 @@ class Points(NamedTuple):
         return float(self.x[-1] - self.x[0])
 
 
-def read_profile(source: str | bytes | PathLike[str], width: float | None = None) -> Profile:
+def read_profile(source: Source, width: float | None = None) -> Profile:
     """Reads a measured profile from a CSV of x and z (nm).
 
-    Parameters: source: a path (os.PathLike), or the file's content as str or bytes; a heading may give units, as in
-    x [µm], z [nm]; width: use only the middle part of this width, nm.
+    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. A heading may
+    give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm.
     Returns a Profile: the mean line is removed, the ends are joined, the points are at equal distances.
     Raises ProfileError.
 
-    Example: `profile = read_profile(Path("profile.csv"))`, then
+    Example: `profile = read_profile("profile.csv")`, then
     `Scene(surface="measured", measured=profile, width=profile.length)`
     """
     points, notes = _points(source)
@@ -68,11 +67,8 @@ def read_profile(source: str | bytes | PathLike[str], width: float | None = None
 def _points(source):
     """(Points, [notes]) of the rows that hold data."""
     table = read_table(source, ProfileError, "two columns: x, z in nm")
-    if table.width != 2:
-        count = "one column" if table.width == 1 else f"{table.width} columns"
-        raise ProfileError(f"{count}, two are needed: x, z in nm", table.rows[0][0])
-    units = (2 * [column.unit for column in table.columns if column.unit] or ["nm", "nm"])[:2]
-    lines, columns, left_out = table.numbers({"x": 0, "z": 1})
+    x_z, units, spare = _two_of(table)
+    lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)))
     for name, unit in zip("xz", units, strict=True):
         if unit not in UNITS["nm"]:
             allowed = f"allowed units: {', '.join(UNITS['nm'])}"
@@ -85,7 +81,22 @@ def _points(source):
     read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
     points = Points(lines, columns["x"], columns["z"])
     _reject_few(points)
-    return points, [f"{lines.size} points; {read}; summits of z face the substrate.", *left_out]
+    return points, [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out]
+
+
+def _two_of(table):
+    """(the indices of x and z, their units, [a note on other columns]): by their names, or else the first two."""
+    columns, width, line = table.columns, table.cells.shape[1], int(table.cells.index[0])
+    if width < 2:
+        raise ProfileError("one column, two are needed: x, z in nm", line)
+    if not columns and width % 2 == 0 and width > 2 and table.comma:
+        remedy = "write a heading, decimal points, or semicolons between columns"
+        raise ProfileError(f"{width} columns, two are needed: x, z in nm; {remedy}", line)
+    names = [column.name.lower() for column in columns]
+    x_z = [names.index("x"), names.index("z")] if {"x", "z"} <= set(names) else [0, 1]
+    units = [columns[k].unit for k in x_z if k < len(columns) and columns[k].unit]
+    rest = [columns[k].name if k < len(columns) else f"column {k + 1}" for k in range(width) if k not in x_z]
+    return x_z, (2 * units or ["nm", "nm"])[:2], [f"not used: {listed(rest)}."] * bool(rest)
 
 
 def _reject_few(points):

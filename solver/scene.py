@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .schema import Choice, Points, Range, SceneError, number, parameters, path_points, word
+from .schema import Choice, Points, Range, SceneError, number, parameters, path_points, unknown_name, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
 ROUNDINGS = 2.0  # largest measured round-off of a residual over the estimate of `Scene.attainable`, on soft scenes
@@ -124,6 +124,12 @@ class Scene:
     nodes: int = number(
         1024, 4, 16384, "", "surface nodes over the width; w / nodes is the lattice period", LAYER, True
     )
+
+    def __new__(cls, *_: Any, **values: Any) -> "Scene":
+        """Rejects a name that is no parameter with SceneError, where the generated __init__ has a bare TypeError."""
+        for name in values.keys() - PARAMETERS.keys() - {"measured"}:
+            raise unknown_name(name, (*PARAMETERS, "measured"))
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for name, parameter in PARAMETERS.items():
@@ -297,6 +303,10 @@ class Scene:
     def profile(self) -> NDArray[np.float64]:
         """Undeformed gap at delta = 0, nm, shape (nodes,); a new array."""
         return undeformed_gap(self).copy()
+
+    def __repr__(self) -> str:
+        values = self.differences() | ({"measured": self.measured} if self.measured else {})
+        return f"Scene({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def changed(self, **values: Any) -> "Scene":
         """The same scene with other values."""

@@ -112,11 +112,35 @@ def as_number(value: Any) -> float:
         return nan
 
 
+MEANT = {  # {parameter: what others call it, in small letters without underscores}
+    "E": ("emod", "emodulus", "young", "youngs", "youngsmodulus", "youngmodulus", "modulus", "stiffness"),
+    "nu": ("poisson", "poissonratio", "poissonsratio"),
+    "phi_ratio": ("phit", "ratio", "friction"),
+    "phi_n": ("adhesion", "workofadhesion", "workofseparation", "gamma"),
+    "delta_bar": ("delta", "depth", "indentation", "pressdepth"),
+    "hold": ("load", "force", "normalload", "deadload"),
+    "u_x_max": ("ux", "uxmax", "displacement", "distance"),
+    "width": ("w", "length"),
+    "height": ("h", "thickness"),
+    "radius": ("r",),
+    "nodes": ("n", "points"),
+    "tolerance": ("tol",),
+}
+
+
 def name_remedy(name: str, allowed: Iterable[str]) -> str:
-    """What to do about a name that is not allowed: the most similar allowed one, if there is one."""
+    """What to do about a name that is not allowed: the allowed one of that meaning or spelling, if there is one."""
     by_lower = {other.lower(): other for other in allowed}
+    plain = name.lower().replace("_", "").replace("'", "")
+    meant = [other for other, words in MEANT.items() if plain in words and other.lower() in by_lower]
     similar = get_close_matches(name.lower(), by_lower, 1)
-    return f"did you mean {by_lower[similar[0]]}?" if similar else "use one of these names"
+    return f"did you mean {(meant or [by_lower[similar[0]]])[0]}?" if meant or similar else "use one of these names"
+
+
+def unknown_name(name: str, allowed: Iterable[str]) -> SceneError:
+    """The error for a name that is no parameter."""
+    allowed = list(allowed)
+    return SceneError("name", name, f"allowed: {', '.join(allowed)}", name_remedy(name, allowed))
 
 
 def number(default: float, *declared: Any, **more: Any) -> Any:

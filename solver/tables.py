@@ -1,22 +1,30 @@
-"""Tables in text files, as instruments and spreadsheets write them: columns of numbers below lines of any text."""
+"""Tables in text files, as instruments and spreadsheets write them: a heading, and columns of numbers below it."""
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from io import StringIO
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TextIO
 from unicodedata import normalize
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+Source = str | bytes | PathLike[str] | TextIO
 MOST_BYTES = 10_000_000  # of a file: 16,384 points, more than any run has nodes, in lines of 600 characters
+MOST_COLUMNS = 100  # of a file; a table of some bytes with a million empty columns would fill the memory
 SHOWN = 40  # characters of a cell or a heading in a message
-LISTED = 3  # lines that a note lists by their numbers
-HEADING = re.compile(r"(\w+) ?(?:[\[(/] ?([^\])]{0,40}?) ?[\])]?)?")  # F, F (N/m), F [N/m], U_x/nm
-# A column of a heading that separates columns by blanks. Units have a largest length, so that any text is read in time
-BLANKS = re.compile(r"\w+(?:\s?[\[(][^\])]{0,40}[\])]|/\S{1,40})?")
+LISTED = 3  # lines or columns that a note lists
+# F, Friction force, F (N/m), F [N/m], U_x/nm, U_x / nm. Every part has a largest length, so any text is read in time
+NAME, UNIT = r"[^\W\d][\w.-]{0,40}", r"[\[(][^\])]{0,40}[\])]|/ ?\S{1,40}"
+HEADING = re.compile(rf"({NAME}(?: {NAME}){{0,4}}) ?({UNIT})?")
+BLANKS = re.compile(rf"{NAME}(?:\s?(?:{UNIT}|/\s?\S{{1,40}}))?")  # a column of a heading that blanks separate
+RAISED = str.maketrans("⁻¹·*", "-1  ")
 
 
 class TableError(ValueError):
@@ -28,7 +36,7 @@ class TableError(ValueError):
 
 
 class Column(NamedTuple):
-    """Of a heading: F (N/m), F [N/m] and F/N/m are the same; unit "" for none."""
+    """Of a heading: F (N/m), F [N/m] and F / N/m are the same; unit "" for none."""
 
     name: str
     unit: str
@@ -42,98 +50,110 @@ class Rows(NamedTuple):
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table:
-    """The texts of a file: the columns of its heading, and rows of `width` cells, each with the number of its line."""
+    """The columns of the heading of a file, and its cells: text, a row per line, whose number is the index."""
 
     columns: list[Column]
-    width: int
-    rows: list[tuple[int, list[str]]]
+    cells: "pd.DataFrame"
+    comma: bool  # whether commas separate the columns
     error: type[TableError]
-
-    def texts(self, name: str) -> list[str]:
-        """The texts in the column of this name, one per row; none if there is no such column."""
-        k = next((k for k, column in enumerate(self.columns) if column.name == name), None)
-        return [] if k is None else [cells[k] for _, cells in self.rows]
-
-    def where(self, name: str, text: str) -> "Table":
-        """The rows with this text in the column of this name."""
-        return replace(self, rows=[row for row, here in zip(self.rows, self.texts(name), strict=True) if here == text])
 
     def numbers(self, columns: Mapping[str, int]) -> Rows:
         """The rows with a finite number in each of the columns {name: index}, the first of which must ascend."""
-        values = np.array([[self._number(name, *row, k) for name, k in columns.items()] for row in self.rows])
-        values, lines = values.reshape(-1, len(columns)), np.array([line for line, _ in self.rows], int)
-        complete = np.isfinite(values).all(axis=1)
+        values = np.column_stack([self._numbers(name, self.cells[k]) for name, k in columns.items()])
+        complete, lines = np.isfinite(values).all(axis=1), self.cells.index.to_numpy()
         missing, values, lines = lines[~complete], values[complete], lines[complete]
         (name, *_), x = columns, values[:, 0]
         if (falls := np.flatnonzero(np.diff(x) <= 0.0)).size:
             k = int(falls[0])
             raise self.error(f"{name} = {x[k + 1]:g} after {x[k]:g}; sort the lines by {name}", int(lines[k + 1]))
-        notes: tuple[str, ...] = ()
-        if missing.size:
-            listed = ", ".join(map(str, missing[:LISTED])) + (" ..." if missing.size > LISTED else "")
-            count = f"{missing.size} row{'s' * (missing.size > 1)} without all numbers"
-            notes = (f"{count} left out (line {listed}).",)
+        count = f"{missing.size} row{'s' * (missing.size > 1)} without all numbers"
+        notes = (f"{count} left out (line {listed(missing.tolist())}).",) if missing.size else ()
         return Rows(lines, dict(zip(columns, values.T, strict=True)), notes)
 
-    def _number(self, name, line, cells, k):
-        try:
-            return float(cells[k] or "nan")
-        except ValueError:
-            cell = repr(cells[k][:SHOWN]) if cells[k].isprintable() else "an unreadable cell"
-            raise self.error(f"{name} = {cell} is not a number; correct or delete the line", line) from None
+    def _numbers(self, name, texts):
+        """A column of texts as float64; "" as nan."""
+        from pandas import to_numeric
+
+        texts = texts.where(texts != "", "nan")
+        wrong = to_numeric(texts, errors="coerce").isna() & ~texts.str.lower().isin(["nan", "+nan", "-nan"])
+        for line, text in texts[wrong].items():
+            cell = repr(text[:SHOWN]) if text.isprintable() else "an unreadable cell"
+            raise self.error(f"{name} = {cell} is not a number; correct or delete the line", line)
+        return texts.astype(float)
 
 
 def read_table(
-    source: str | bytes | PathLike[str],
-    error: type[TableError],
-    needed: str,
-    named: Callable[[set[str]], bool] | None = None,
+    source: Source, error: type[TableError], needed: str, named: Callable[[list[Column]], bool] | None = None
 ) -> Table:
-    """The Table in a file (os.PathLike), or in its content; raises `error`, with `needed` in its message.
+    """Reads a Table from a file, or from its content; raises `error`, with `needed` in its message.
 
+    source: a path, a text without a line break being one; the content as text or bytes; or an open file.
     Semicolons, tabs, commas or blanks separate columns; with the first two, numbers may have decimal commas. Blank
-    lines, text after # and lines above the heading are skipped. named: whether column names are those of the heading;
-    by default the heading is the line above the first one of numbers, if there is any.
+    lines, text after # and lines above the heading are skipped. named: whether a line is the heading; by default that
+    is the line above the first one of numbers, if there is any.
     """
+    from pandas import read_csv  # takes longer to import than the solver
+
     text = _text(source, error)
     stripped = ((number, line.partition("#")[0].strip()) for number, line in enumerate(text.split("\n"), start=1))
     lines = [(number, line) for number, line in stripped if line]
-    if named is None:
-        start = next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
-    else:
-        names = ({column.name for column in _columns(line)} for _, line in lines)
-        start = next((k for k, line_names in enumerate(names, start=1) if named(line_names)), 0)
-        if not start:
-            number, line = lines[0] if lines else (1, "")
-            heading = (line[:SHOWN] if line.isprintable() else "not readable") or "missing"
-            raise error(f"heading {heading}; needed: {needed}", number)
+    start = _first_row(lines, error, needed, named)
     if not lines[start:]:
         raise error(f"no points; needed: {needed}", text.count("\n") + 1)
     columns, separator = _columns(lines[start - 1][1]) if start else [], _separator(lines[start][1])
-    rows = [(number, _cells(line, separator)) for number, line in lines[start:]]
-    width = len(rows[0][1]) if named is None else len(columns)
-    for k, (number, cells) in enumerate(rows):
-        if any(cells[width:]):
-            remedy = "use decimal points, or semicolons between columns"
-            raise error(f"{len(cells)} columns in place of {width}; {remedy}", number)
-        if len(cells) != width:
-            rows[k] = number, (cells + width * [""])[:width]
-    return Table(columns, width, rows, error)
+    numbers, rows = zip(*lines[start:], strict=True)
+    sizes = [len(row.split(separator)) for row in rows]
+    width = sizes[0] if named is None else len(columns)
+    if max(sizes) > MOST_COLUMNS:
+        raise error(f"{max(sizes)} columns; allowed: up to {MOST_COLUMNS}", numbers[int(np.argmax(sizes))])
+    cells = read_csv(
+        StringIO("\n".join(rows)), sep=separator or r"\s+", header=None, names=range(max(width, *sizes, 1)), dtype=str,
+        keep_default_na=False, quoting=3, skip_blank_lines=False, index_col=False,
+    )  # fmt: skip
+    cells.index = list(numbers)
+    cells = cells.fillna("").apply(lambda texts: texts.str.strip(' "').str.replace("\N{MINUS SIGN}", "-"))
+    if separator != ",":
+        cells = cells.apply(lambda texts: texts.str.replace(",", "."))
+    longer = cells.loc[:, width:].ne("").any(axis=1)
+    if longer.any():
+        line = longer.idxmax()
+        remedy = "use decimal points, or semicolons between columns"
+        raise error(f"{sizes[numbers.index(line)]} columns in place of {width}; {remedy}", line)
+    return Table(columns, cells.loc[:, : width - 1], separator == ",", error)
+
+
+def listed(items: Sequence) -> str:
+    """The first LISTED of some items, as text."""
+    return ", ".join(map(str, items[:LISTED])) + " ..." * (len(items) > LISTED)
+
+
+def _first_row(lines, error, needed, named):
+    """The index of the first line below the heading."""
+    if named is None:
+        return next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
+    start = next((k for k, (_, line) in enumerate(lines, start=1) if named(_columns(line))), 0)
+    if not start:
+        number, line = lines[0] if lines else (1, "")
+        heading = (line[:SHOWN] if line.isprintable() else "not readable") or "missing"
+        raise error(f"heading {heading}; needed: {needed}", number)
+    return start
 
 
 def _text(source, error):
-    """The content as text; raises `error` where it is not text."""
-    content = _content(Path(source), error) if isinstance(source, PathLike) else source
+    """The content as text, with plain line breaks; raises `error` where it is not text."""
+    if isinstance(source, PathLike) or (isinstance(source, str) and not re.search("[\r\n]", source)):
+        content = _content(source, error)
+    else:
+        content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
         raise error(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
     if not isinstance(content, str):
         try:
             content = bytes(content).decode()
-        except UnicodeDecodeError as failure:
-            line = failure.object[: failure.start].count(b"\n") + 1
-            raise error("not UTF-8 text; save it as CSV in UTF-8 or ASCII", line) from None
+        except UnicodeDecodeError:  # of an older instrument: in Latin-1 every byte is a character
+            content = bytes(content).decode("latin-1")
     content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     if binary := re.search("[\0\ufffd]", content):
         raise error("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)
@@ -142,24 +162,21 @@ def _text(source, error):
 
 def _content(path, error):
     """The bytes of a file, at most one more than allowed."""
-    if not path.is_file():  # a pipe or a device may never end
-        raise error(f"{str(path)!r} is not a file; name a CSV file")
+    shown = repr(str(path)[: 3 * SHOWN])
     try:
+        if not Path(path).is_file():  # a pipe or a device may never end
+            raise error(f"{shown} is not a file; name a CSV file, or give its lines")
         with open(path, "rb") as file:
             return file.read(MOST_BYTES + 1)
-    except OSError as failure:
-        raise error(f"{str(path)!r}: {failure.strerror}; name a CSV file that can be read") from None
+    except (OSError, ValueError) as failure:  # ValueError: a null character in the name
+        if isinstance(failure, error):
+            raise
+        reason = getattr(failure, "strerror", None) or failure
+        raise error(f"{shown}: {reason}; name a CSV file that can be read") from None
 
 
 def _separator(line):
     return next((mark for mark in ";\t," if mark in line), None)
-
-
-def _cells(line, separator):
-    """The texts of a line, with decimal points and plain minus signs."""
-    if separator != ",":
-        line = line.replace(",", ".")
-    return [cell.strip(' "').replace("\N{MINUS SIGN}", "-") for cell in line.split(separator)]
 
 
 def _columns(line):
@@ -169,16 +186,20 @@ def _columns(line):
     cells = [" ".join(cell.split()).strip(' "') for cell in cells]
     matches = ((cell, HEADING.fullmatch(cell)) for cell in cells)
     named = (match.groups() if match else (cell, "") for cell, match in matches)
-    return [Column(name, _unit(unit or "")) for name, unit in named]
+    return [Column(name, _unit((unit or "").strip("[]()/ "))) for name, unit in named]
 
 
 def _unit(text):
-    """A unit with one sign for micro and one for Angstrom, each of which Unicode has twice."""
-    return normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+    """A unit with one sign for micro and one for Angstrom, each of which Unicode has twice; N m^-1 as N/m."""
+    text = normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}").translate(RAISED)
+    return re.sub(r"^(\w+) +(\w+) ?\^?-1$", r"\1/\2", text)
 
 
 def _all_numbers(line):
+    separator = _separator(line)
+    line = line if separator == "," else line.replace(",", ".")
     try:
-        return bool([float(cell) for cell in _cells(line, _separator(line)) if cell])
+        cells = (cell.strip(' "').replace("\N{MINUS SIGN}", "-") for cell in line.split(separator))
+        return bool([float(cell) for cell in cells if cell])
     except ValueError:
         return False

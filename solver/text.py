@@ -7,7 +7,7 @@ from typing import Any
 from unicodedata import normalize
 
 from .scene import LIMITS, PARAMETERS, Scene, SceneError
-from .schema import Range, name_remedy
+from .schema import Range, unknown_name
 from .surfaces import Profile
 
 NUMBER = re.compile(r"(?P<mantissa>[+-]?(?:\d+[.,]?\d*|[.,]\d+|inf))(?P<exponent>(?:[eE][+-]?\d+)?) ?(?P<unit>.*)")
@@ -15,7 +15,8 @@ THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # 1,234 may mean 1234 or 1.2
 UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
     "nm": {"nm": 1.0, "µm": 1e3, "um": 1e3, "Å": 0.1, "mm": 1e6, "m": 1e9},
     "GPa": {"GPa": 1.0, "MPa": 1e-3, "TPa": 1e3, "Pa": 1e-9},
-    "N/m": {"N/m": 1.0, "J/m²": 1.0, "J/m2": 1.0, "mN/m": 1e-3, "mJ/m²": 1e-3, "mJ/m2": 1e-3},
+    "N/m": {"N/m": 1.0, "mN/mm": 1.0, "N/mm": 1e3, "mN/m": 1e-3}
+    | {"J/m²": 1.0, "J/m2": 1.0, "mJ/m²": 1e-3, "mJ/m2": 1e-3},
     "MPa/nm": {"MPa/nm": 1.0, "GPa/nm": 1e3},
     "δₙ": {"δₙ": 1.0, "delta_n": 1.0},
     "δₜ": {"δₜ": 1.0, "delta_t": 1.0},
@@ -65,7 +66,7 @@ def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, no
     values: dict[str, Any] = {"surface": "measured", "width": profile.length, "measured": profile} if profile else {}
     for name, text in pairs.items():
         if name not in PARAMETERS:
-            raise SceneError("name", name, f"allowed: {', '.join(PARAMETERS)}", name_remedy(name, PARAMETERS))
+            raise unknown_name(name, PARAMETERS)
         values[name] = number_from_text(name, text, notes) if name in LIMITS else text
     return Scene(**values)
 

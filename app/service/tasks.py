@@ -182,7 +182,7 @@ def slow_motion(legs, state=None):
 def measured(text):
     """Return (the Profile in the text of a CSV, None), or (None, why the text is not usable)."""
     try:
-        return read_profile(text), None
+        return read_profile(text.encode()), None  # a text without a line break would name a file
     except ProfileError as error:
         return None, str(error)
 

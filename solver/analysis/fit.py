@@ -16,7 +16,8 @@ from scipy.optimize import least_squares
 
 from ..continuation.state import OutOfTime
 from ..scene import Scene
-from .measurement import JUMP, Measurement
+from ..tables import Source
+from .measurement import JUMP, Measurement, read_measurement
 from .partial import DRIVE, continuous
 from .prediction import AHEAD
 from .trial import AXES, NO_RUN, Model, TimeUp, Trial
@@ -84,17 +85,18 @@ class Optimum(NamedTuple):
     caution: str = ""
 
 
-def fit(scene: Scene, measured: Measurement, free: Sequence[str], options: FitOptions = USUAL) -> Fit:
+def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], options: FitOptions = USUAL) -> Fit:
     """Fits parameters of a scene to a measured curve.
 
     Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
-    `read_measurement`; free: names of continuous parameters, or of AXES; options: how it searches.
+    `read_measurement`, or what that reads; free: names of continuous parameters, or of AXES; options: how it searches.
     Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine.
-    Raises ValueError for names that cannot be free, or none; NotFollowed, NotConverged or SceneError where no start
-    has a run, OutOfTime where none has one in time.
+    Raises ValueError for names that cannot be free, or none, and for an unusable file; NotFollowed, NotConverged or
+    SceneError where no start has a run, OutOfTime where none has one in time.
 
-    Example: `fit(Scene(), read_measurement("measured.csv", Scene()), ["phi_n"]).values`
+    Example: `fit(Scene(), "measured.csv", ["phi_n"]).values`
     """
+    measured = measured if isinstance(measured, Measurement) else read_measurement(measured, scene)
     allowed = (*continuous(scene), *AXES)
     if isinstance(free, str) or not free:
         raise ValueError(f"free = {free!r}: allowed: a list of names, one or more; write [{free or allowed[0]!r}]")

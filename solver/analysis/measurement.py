@@ -1,16 +1,14 @@
 """A measured friction curve: read from a CSV, cut at its slips, its noise estimated."""
 
-from dataclasses import dataclass
-from os import PathLike
-from pathlib import Path
-from typing import TextIO
+import re
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..run.frame import kind
 from ..scene import Scene
-from ..tables import LISTED, SHOWN, TableError, read_table
+from ..tables import LISTED, SHOWN, Source, TableError, listed, read_table
 from ..text import UNITS
 from .outputs import NAMES
 
@@ -27,8 +25,19 @@ FLOOR = 2e-4  # least noise over the largest value: a curve interpolated between
 NORMAL = 0.6745  # median of |x| of a normal distribution of unit deviation
 CALM = 4.0  # deviations; noise alone exceeds it once in 16,000 differences
 DIFFERENCES = {3: 20.0, 2: 6.0}  # order: variance of such a difference over that of a point
-UNIT_OF = {"U_x": "nm", "F_bar": "", "F": "N/m", "L_bar": "", "L": "N/m", "A_bar": ""}  # of the columns that are read
-NEEDED = "U_x (nm) and F_bar, or F (N/m)"
+UNIT_OF = {"U_x": "nm", "F_bar": "", "F": "N/m", "L_bar": "", "L": "N/m", "A_bar": "", "A": "nm"}  # of columns read
+NEEDED = "U_x (nm) and F (N/m), or F_bar"
+# What a heading may say in place of a name, in small letters without blanks and signs
+NAMED = {
+    "U_x": ("ux", "displacement", "tangentialdisplacement", "lateraldisplacement", "slidingdistance"),
+    "F_bar": ("fbar",),
+    "F": ("f", "force", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
+    "L_bar": ("lbar",),
+    "L": ("l", "load", "normalload", "normalforce"),
+    "A_bar": ("abar",),
+    "A": ("a", "area", "contactarea"),
+    "stage": ("stage",),
+}
 
 
 class MeasurementError(TableError):
@@ -41,7 +50,7 @@ class Measurement:
 
     values: {"F_bar", "L_bar", "A_bar"} (k,) each, F_bar at least; noise: their standard deviations. slips: the first
     index after each slip. unit: w E (N/m) that forces in N/m were divided by; None for forces given as F_bar. notes:
-    what the file has that was not used.
+    what the file has that was not used. width: w (nm) that areas in nm were divided by; None for areas given as A_bar.
     """
 
     U_x: NDArray[np.float64]
@@ -50,6 +59,7 @@ class Measurement:
     slips: tuple[int, ...]
     unit: float | None = None
     notes: tuple[str, ...] = ()
+    width: float | None = None
 
     @property
     def seen(self) -> float:
@@ -66,6 +76,7 @@ class Measurement:
         noise: dict[str, float] | None = None,
         unit: float | None = None,
         notes: tuple[str, ...] = (),
+        width: float | None = None,
     ) -> "Measurement":
         """A Measurement from arrays; estimates the noise {name: standard deviation} of quantities not in `noise`.
 
@@ -78,7 +89,7 @@ class Measurement:
             raise MeasurementError(f"F is {F[0]:g} at every point; needed: a force that changes; check the column F")
         drops = drops_of(F)
         noise = {name: noise_of(y, drops) for name, y in values.items()} | (noise or {})
-        return Measurement(U_x, values, noise, slips_of(F, noise["F_bar"]), unit, notes)
+        return Measurement(U_x, values, noise, slips_of(F, noise["F_bar"]), unit, notes, width)
 
 
 def noise_of(y: NDArray[np.float64], drops: NDArray[np.int_] | tuple[int, ...] = ()) -> float:
@@ -120,52 +131,75 @@ def _rise(steps):
     return float(np.quantile(rises, RISING)) if rises.size else 0.0
 
 
-def read_measurement(source: str | PathLike[str] | TextIO, scene: Scene) -> Measurement:
-    """Reads a CSV with a heading: U_x (nm), F_bar or F (N/m), and optionally L_bar or L, A_bar.
+def read_measurement(source: Source, scene: Scene) -> Measurement:
+    """Reads a CSV with a heading: U_x (nm), F (N/m) or F_bar, and optionally L or L_bar, A (nm) or A_bar.
 
-    Forms of the file: as of `read_table`. Units of the heading are converted, as in U_x (um). Other columns are left
+    NAMED lists what else a heading may say, UNITS the units that are converted, as in U_x (um). Other columns are left
     out, and rows without all numbers. In a file with a column `stage`, as `run --csv` writes, only the shear counts: it
     must have one. Of L and L_bar only that in the form of the friction counts, as w E may be a free parameter.
 
-    Parameters: source: the name of a file, or an open one; scene: gives w E, over which forces in N/m are taken.
+    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; scene: gives
+    w E and w, over which forces in N/m and areas in nm are taken.
     Returns a Measurement, its noise estimated.
     Raises MeasurementError.
 
     Example: `read_measurement("measured.csv", Scene()).noise`
     """
-    content = Path(source) if isinstance(source, (str, PathLike)) else source.read()
-    table = read_table(content, MeasurementError, NEEDED, lambda names: "U_x" in names and bool({"F", "F_bar"} & names))
-    of = {column.name: k for k, column in enumerate(table.columns)}
-    notes: tuple[str, ...] = ()
+    table = read_table(source, MeasurementError, NEEDED, lambda columns: _has_curve(_indices(columns)))
+    of, notes = _indices(table.columns), []
     force, other, load = ("F_bar", "L", "L_bar") if "F_bar" in of else ("F", "L_bar", "L")
+    unused = [column.name for k, column in enumerate(table.columns) if k not in of.values()]
     if other in of:
         del of[other]
-        notes = (f"{other} is left out beside {force}; give {load}: w E may be free.",) * (load not in of)
-    _, columns, left_out = _sheared(table).numbers({name: of[name] for name in UNIT_OF if name in of})
-    columns = {name: column * _factor(*table.columns[of[name]]) for name, column in columns.items()}
-    unit = None if "F_bar" in columns else scene.width * scene.E
-    if unit:
-        columns |= {f"{name}_bar": columns[name] / unit for name in ("F", "L") if name in columns}
-    values = {name: columns[name] for name in NAMES if name in columns}
-    return Measurement.of(columns["U_x"], values, unit=unit, notes=(*notes, *left_out))
+        notes += [f"{other} is left out beside {force}; give {load}: w E may be free."] * (load not in of)
+    stage = of.pop("stage", None)
+    if not {"residual", "evaluations"} <= set(unused):  # in a file of a run they are
+        notes += [f"not used: {listed(unused)}."] * bool(unused)
+    names = [name for name in UNIT_OF if name in of]
+    factors = {name: _factor(name, table.columns[of[name]]) for name in names}
+    _, columns, left_out = _sheared(table, stage).numbers({name: of[name] for name in names})
+    over = {"F": scene.width * scene.E, "L": scene.width * scene.E, "A": scene.width}
+    values = {f"{name}_bar": columns[name] * factors[name] / over[name] for name in over if name in columns}
+    values = {name: columns[name] for name in NAMES if name in columns} | values
+    values = {name: values[name] for name in NAMES if name in values}
+    unit, width = over["F"] if force == "F" else None, over["A"] if "A" in columns else None
+    return Measurement.of(columns["U_x"] * factors["U_x"], values, None, unit, (*notes, *left_out), width)
 
 
-def _sheared(table):
-    """The rows of the stage of shear, if the file names stages; raises MeasurementError unless there is one."""
-    stages = list(dict.fromkeys(table.texts("stage")))
-    shears = [stage for stage in stages if kind(stage) == "shear"]
-    if not stages:
+def _indices(columns):
+    """{name in UNIT_OF, or "stage": index} of the columns whose headings have a known meaning; the first of each."""
+    of: dict[str, int] = {}
+    for k, column in enumerate(columns):
+        plain = re.sub(r"[\W_]", "", column.name.lower())
+        name = next((name for name, words in NAMED.items() if plain in words), None)
+        if name:
+            of.setdefault(name, k)
+    return of
+
+
+def _has_curve(of):
+    return "U_x" in of and bool({"F", "F_bar"} & of.keys())
+
+
+def _sheared(table, stage):
+    """The rows of the stage of shear, if a column `stage` names stages; raises MeasurementError unless there is one."""
+    if stage is None:
         return table
+    texts = table.cells[stage]
+    shears = [each for each in texts.unique() if kind(each) == "shear"]
     if len(shears) == 1:
-        return table.where("stage", shears[0])
-    found = ", ".join(repr(stage[:SHOWN]) for stage in (shears or stages)[:LISTED])
+        return replace(table, cells=table.cells[texts == shears[0]])
+    found = ", ".join(repr(each[:SHOWN]) for each in (shears or list(texts.unique()))[:LISTED])
     raise MeasurementError(f"stage: {found}; needed: rows of one stage of shear; keep those, or run with path=shear")
 
 
-def _factor(name, unit):
+def _factor(name, column):
     """What numbers of a column are multiplied by, from the unit of its heading to that of UNIT_OF."""
     factors = UNITS.get(UNIT_OF[name], {}) | {"": 1.0}
-    if unit not in factors:
-        allowed = ", ".join(filter(None, factors)) or "none"
-        raise MeasurementError(f"heading: {name} in {unit[:SHOWN]!r}; allowed units: {allowed}; correct the heading")
-    return factors[unit]
+    if column.unit in factors:
+        return factors[column.unit]
+    allowed, remedy = ", ".join(filter(None, factors)) or "none", "correct the heading"
+    if UNIT_OF[name] == "N/m" and re.fullmatch("[kmµun]?N", column.unit):
+        remedy = f"divide it by the width of the contact across the pull, and write {name} (N/m) in the heading"
+    message = f"heading: {column.name} in {column.unit[:SHOWN]!r}; allowed units: {allowed}; {remedy}"
+    raise MeasurementError(message)

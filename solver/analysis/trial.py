@@ -162,7 +162,7 @@ class Model:
         """The Trial of parameters x whose run is `skeleton`; raises NotFollowed where it slips too few times."""
         axes = Axes(**{name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES})
         U_x = (self.measured.U_x - axes.offset_U) / axes.scale_U
-        unit = axes.scale_F * self._unit(skeleton)
+        unit = axes.scale_F * self._unit(skeleton, "F_bar")
         start, reach = float(U_x[0]), float(U_x[-1])
         predicted = Predicted(sensitivities(skeleton, self.physical), self.measured.seen / unit, start, reach)
         curve = predicted.curve(U_x[self.kept], self.segment[self.kept], self.physical)
@@ -177,19 +177,22 @@ class Model:
         """Measured quantities, in the order of their residuals."""
         return tuple(name for name in NAMES if name in self.measured.values)
 
-    def _unit(self, skeleton):
-        """Measured units per F_bar and L_bar: 1, or w E of the trial over that of a measurement in N/m."""
-        scene = skeleton.scene
-        return scene.width * scene.E / self.measured.unit if self.measured.unit else 1.0
+    def _unit(self, skeleton, name):
+        """Measured units per F_bar, L_bar or A_bar: 1, or w E or w of the trial over that of a measurement."""
+        scene, measured = skeleton.scene, self.measured
+        if name == "A_bar":
+            return scene.width / measured.width if measured.width else 1.0
+        return scene.width * scene.E / measured.unit if measured.unit else 1.0
 
     def _quantity(self, k, curve, skeleton, axes, U_x):
         """(residuals (points,), derivatives (points, n)) of F_bar, L_bar or A_bar, number k."""
         name, values, slopes = NAMES[k], curve.values[k], curve.slopes[k]
         scaled = axes.scale_F if name == "F_bar" else 1.0
-        gain = scaled * (self._unit(skeleton) if name != "A_bar" else 1.0)
+        gain = scaled * self._unit(skeleton, name)
         by = dict(zip(self.physical, gain * curve.by[:, k], strict=True))
-        if self.measured.unit and name != "A_bar":  # N/m of the same F_bar grow with these
-            by |= {own: by[own] + gain * values / getattr(skeleton.scene, own) for own in {"E", "width"} & by.keys()}
+        if self.measured.width if name == "A_bar" else self.measured.unit:  # N/m and nm grow with these
+            grow = {"width"} if name == "A_bar" else {"E", "width"}
+            by |= {own: by[own] + gain * values / getattr(skeleton.scene, own) for own in grow & by.keys()}
         by |= {"scale_U": -gain * slopes * U_x[self.kept] / axes.scale_U, "offset_U": -gain * slopes / axes.scale_U}
         if name == "F_bar":
             by |= {"scale_F": gain / axes.scale_F * values, "offset_F": np.ones(values.size)}

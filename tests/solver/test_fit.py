@@ -5,7 +5,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from solver import NotConverged, Scene, skeleton_of
+from solver import NotConverged, Scene, simulate, skeleton_of
 from solver.analysis.fit import FitOptions, fit
 from solver.analysis.measurement import Measurement, MeasurementError, noise_of, read_measurement
 from solver.analysis.spread import deviations, spread
@@ -212,6 +212,53 @@ def test_usual_forms_of_a_file_are_read(form):
     data = read_measurement(StringIO("\n".join(lines)), SMALL)
     assert data.U_x == pytest.approx([x for x, _ in ROWS])
     assert data.values["F_bar"] * data.unit == pytest.approx([F for _, F in ROWS])
+
+
+@pytest.mark.parametrize("displacement", ["Ux", "u_x", "displacement", "U_x / nm", "Lateral displacement (nm)"])
+@pytest.mark.parametrize("force", ["force", "F (N m^-1)", "F / mN/mm", "Friction force [N·m⁻¹]"])
+def test_usual_headings_are_understood(displacement, force):
+    lines = [f"{displacement},{force}", *(f"{x},{F}" for x, F in ROWS)]
+    data = read_measurement("\n".join(lines), SMALL)
+    assert data.U_x == pytest.approx([x for x, _ in ROWS])
+    assert data.values["F_bar"] * data.unit == pytest.approx([F for _, F in ROWS])
+
+
+def test_a_force_without_a_width_is_refused_with_the_way_to_newton_per_metre():
+    with pytest.raises(MeasurementError, match=r"F in 'mN'; allowed units: N/m, .*; divide it by the width of the"):
+        read_measurement("U_x (nm),F (mN)\n1,2\n", SMALL)
+
+
+def test_further_columns_of_a_measurement_are_reported():
+    data = read_measurement("\n".join(["t,U_x,F", *(f"0,{x},{F}" for x, F in ROWS)]), SMALL)
+    assert data.notes == ("not used: t.",)
+
+
+def test_the_curve_of_a_result_is_read_back_in_its_units(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = simulate(SMALL.changed(u_x_max=3.0))
+    result.table.to_csv("curve.csv", index=False)
+    data, shear = read_measurement("curve.csv", SMALL), [f for f in result.frames if f.stage == "shear"]
+    for name in ("F_bar", "L_bar", "A_bar"):
+        assert data.values[name] == pytest.approx([getattr(frame, name) for frame in shear], rel=1e-12)  # round-off
+    assert not data.notes
+
+
+def test_a_fit_takes_the_name_of_a_file(tmp_path):
+    file = tmp_path / "curve.csv"
+    simulate(SMALL.changed(u_x_max=6.0)).table.to_csv(file, index=False)
+    assert fit(SMALL.changed(phi_n=2.02), str(file), ["phi_n"]).values["phi_n"] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_areas_in_nm_grow_with_a_free_width(skeleton):
+    """Derivatives of residuals by the width against central differences."""
+    U_x, values = measured(skeleton).U_x, measured(skeleton).values
+    for width in (None, SMALL.width):
+        data = Measurement.of(U_x, values, unit=SMALL.width * SMALL.E, width=width)
+        model = Model(SMALL, data, ("width",), 60.0, np.inf)
+        x, step = np.array([SMALL.width]), 1e-3
+        low, high = (model.trial(x + d, model.exact(model.scene_of(x + d))).residuals for d in (-step, step))
+        exact = model.trial(x, model.exact(model.scene_of(x))).jacobian[:, 0]
+        assert (high - low) / (2.0 * step) == pytest.approx(exact, rel=1e-3, abs=1e-3 * np.abs(exact).max())
 
 
 def test_rows_without_a_number_are_left_out_and_reported():

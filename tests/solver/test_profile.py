@@ -3,6 +3,7 @@
 import pickle
 import re
 from dataclasses import asdict
+from io import StringIO
 
 import numpy as np
 import pytest
@@ -92,6 +93,28 @@ def test_profiles_from_text_bytes_and_files_are_equal(tmp_path, end):
     assert read_profile(file) == read_profile(text.encode()) == read_profile(text)
 
 
+def test_a_text_without_a_line_break_is_a_path(tmp_path, monkeypatch):
+    (tmp_path / "p.csv").write_text(table(X, HILLS))
+    monkeypatch.chdir(tmp_path)
+    assert read_profile("p.csv") == read_profile(table(X, HILLS)) == read_profile(StringIO(table(X, HILLS)))
+    with pytest.raises(ProfileError, match=r"^'missing\.csv' is not a file; name a CSV file, or give its lines"):
+        read_profile("missing.csv")
+
+
+def test_a_file_in_latin_1_is_read():
+    text = table(X / 1000.0, HILLS, heading="Höhe gemessen\nx (µm),z (nm)\n")
+    assert read_profile(text.encode("latin-1")) == read_profile(text.encode())
+
+
+@pytest.mark.parametrize("heading", ["", "x,z,quality\n", "quality,z,x\n"])
+def test_further_columns_are_ignored_and_reported(heading):
+    rows = [(b, a) if heading.startswith("quality") else (a, b) for a, b in zip(X, HILLS, strict=True)]
+    third = [f"1,{a},{b}" if heading.startswith("quality") else f"{a},{b},1" for a, b in rows]
+    read = read_profile(heading + "\n".join(third))
+    assert read.z.tolist() == read_profile(table(X, HILLS)).z.tolist()
+    assert read.notes[1] == f"not used: {'quality' if heading else 'column 3'}."
+
+
 def test_a_periodic_profile_at_equal_distances_is_kept_as_it_is():
     profile = read_profile(table(X, HILLS))
     assert profile.length == 640.0
@@ -168,7 +191,6 @@ def test_a_width_selects_the_middle_of_a_profile():
 @pytest.mark.parametrize(
     ("text", "line", "reason"),
     [
-        ("", 1, "no points"),
         ("\n\n# nothing\n", 4, "no points"),
         ("x,z\n", 2, "no points"),
         ("a fairy tale\nin two lines\n", 3, "no points; needed: two columns: x, z in nm"),
@@ -180,8 +202,8 @@ def test_a_width_selects_the_middle_of_a_profile():
         ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; sort the lines by x"),
         ("x z\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; sort the lines by x"),
         ("1\n2\n3\n", 1, "one column, two are needed"),
-        ("1,2,3\n", 1, "3 columns, two are needed"),
-        ("1,5,2,0\n", 1, "4 columns, two are needed: x, z in nm"),
+        ("1,5,2,0\n", 1, "4 columns, two are needed: x, z in nm; write a heading, decimal points, or semicolons"),
+        ("1," * 101 + "\n", 1, "102 columns; allowed: up to 100"),
         ("1,2\n3,4,5\n", 2, "3 columns in place of 2; use decimal points, or semicolons between columns"),
         ("1,2\n\0\0\0\n", 2, "not a text file"),
         (table(X[:9], HILLS[:9]), 9, f"only 9 points, at least {FEWEST_POINTS} are needed"),
@@ -231,10 +253,10 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (bytes(range(256)), "line 2: not UTF-8 text"),
-        ("1,2\n2,3\n".encode("utf-16"), "line 1: not UTF-8 text"),
+        (bytes(range(256)), "line 1: not a text file"),
+        ("1,2\n2,3\n".encode("utf-16"), "line 1: not a text file"),
         ("1,2\n2,3\n".encode("utf-16-le"), "line 1: not a text file"),
-        (b"x,z\n1,2\n3,\xb5\n", "line 3: not UTF-8 text"),
+        (b"x,z\n1,2\n3,\xb5\n", "line 3: z = 'µ' is not a number"),
         (b"\0" * 100, "line 1: not a text file"),
         (b"7" * (MOST_BYTES + 1), "more than 10 MB"),
     ],

@@ -149,6 +149,33 @@ def test_an_unknown_name_is_refused_with_the_allowed_ones():
         scene_from_text({"Ebar": "1"})
 
 
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("phi_t", "phi_ratio"),
+        ("Emod", "E"),
+        ("young", "E"),
+        ("poisson", "nu"),
+        ("delta", "delta_bar"),
+        ("nods", "nodes"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_the_parameter_it_means(name, meant):
+    for make in (
+        lambda: scene_from_text({name: "1"}),
+        lambda: Scene(**{name: 1.0}),
+        lambda: Scene().changed(**{name: 1}),
+    ):
+        with pytest.raises(SceneError, match=rf"name = '{name}': allowed: delta_bar, .*; did you mean {meant}\?$"):
+            make()
+
+
+def test_a_scene_prints_what_differs_from_the_default():
+    assert repr(Scene()) == "Scene()"
+    assert repr(Scene(delta_bar=0.2, surface="flat")) == "Scene(delta_bar=0.2, surface='flat')"
+    assert eval(repr(Scene(E=7.0, drive_t=inf, seed=3))) == Scene(E=7.0, seed=3)
+
+
 def test_a_scene_is_frozen_hashable_and_picklable():
     scene = Scene(delta_bar=0.2)
     assert pickle.loads(pickle.dumps(scene)) == scene
