@@ -37,7 +37,6 @@ from .following.moved import NotFollowed
 from .following.skeleton import Skeleton
 from .profile import ProfileError, read_profile
 from .results import Result, simulate, sweep
-from .run.carry import carried_path, carry_on
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, load_path
 from .run.slices import advance
@@ -75,8 +74,6 @@ __all__ = [
     "Work",
     "__version__",
     "advance",
-    "carried_path",
-    "carry_on",
     "explored",
     "fit",
     "follow",

@@ -185,7 +185,7 @@ def described(report: dict[str, Any], increments: int) -> str:
     """The summary in three lines."""
 
     scene = report["scene"]
-    force, width = scene["width"] * (report.get("E_s") or scene["E"]), scene["width"]
+    force, width = scene["width"] * scene["E"], scene["width"]
 
     def shown(name, key, factor, unit):
         value = report[key]

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import __version__
 from .run.frame import Frame
-from .run.summary import changes, changing, fields_of
+from .run.summary import fields_of
 from .scene import Scene
 
 SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
@@ -32,17 +32,17 @@ def write_rows(file: str | PathLike, heading: Iterable[str], rows: Iterable[Iter
 
 
 def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
-    """Writes a row per frame, numbers in full precision; the last columns are the parameters that change, if any."""
+    """Writes a row per frame, numbers in full precision."""
     curves = curves_of(frames)
     write_rows(file, curves, zip(*curves.values(), strict=True))
 
 
 def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
-    """{column: a value per frame}: COLUMNS, TOP with a drive, the stage, and the parameters that change."""
+    """{column: a value per frame}: COLUMNS, TOP with a drive, and the stage."""
     names = COLUMNS + TOP * any(any(frame.scene.drive_compliance) for frame in frames)
     curves: dict[str, list[Any]] = {name: [number(getattr(frame, name)) for frame in frames] for name in names}
     curves["stage"] = [frame.stage for frame in frames]
-    return curves | {name: [getattr(frame.scene, name) for frame in frames] for name in changing(frames)}
+    return curves
 
 
 def number(value: Any) -> float:
@@ -51,13 +51,13 @@ def number(value: Any) -> float:
 
 
 def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], method: str = "fast") -> None:
-    """Writes curves, stage and changing parameters of all Frames after the approach, with the arrays of `fields_of`.
+    """Writes curves and stage of all Frames after the approach, with the arrays of `fields_of`.
 
-    `report` is JSON text: schema, version, commit, scene, method, and what changes along the run.
+    `report` is JSON text: schema, version, commit, scene and method.
     """
     after = [frame for frame in frames if frame.stage != "approach"]
     curves = {name: np.array(values, str if name == "stage" else None) for name, values in curves_of(after).items()}
-    report = {"method": method, "scene": asdict(scene), "changes": changes(frames) if changing(frames) else None}
+    report = {"method": method, "scene": asdict(scene)}
     arrays: dict[str, Any] = fields_of(scene, after) | curves
     with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, **arrays, report=json.dumps(plain(origin() | report)))

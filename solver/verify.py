@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import METHODS, Frame, Profile, Scene, SceneError, __version__, carried_path, load_path, summarize
+from . import METHODS, Frame, Profile, Scene, SceneError, __version__, load_path, summarize
 from .command import NOT_CONVERGED, InputError
 from .files import SCHEMA, commit, plain
 from .results import collected
@@ -23,9 +23,9 @@ HOLDS = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote
 
 
 class Recorded(NamedTuple):
-    """What a file holds: legs as of `carried_path`, the method, what wrote it, {quantity: values}, and their kind."""
+    """What a file holds: the scene, the method, what wrote it, {quantity: values}, and their kind."""
 
-    legs: list[tuple[Scene, int | None]]
+    scene: Scene
     method: str
     origin: str
     values: dict[str, np.ndarray]
@@ -52,9 +52,8 @@ def add_verify(commands: Any) -> None:
 def verify(arguments: argparse.Namespace) -> int:
     """Computes and compares; prints the verdict; returns the exit code."""
     recorded = read(arguments.file)
-    legs, scene = recorded.legs, recorded.legs[-1][0]
-    run = carried_path(legs) if len(legs) > 1 else load_path(scene, method=recorded.method)
-    frames, failure = collected(run)
+    scene = recorded.scene
+    frames, failure = collected(load_path(scene, method=recorded.method))
     allowed = max(SAME, TOLERANCES * scene.tolerance / min(scene.delta_n, scene.delta_t))
     computed = fields_and_curves(scene, frames) if recorded.fields else numbers_of(plain(summarize(scene, frames)))
     differences = [_difference(name, values, computed[name]) for name, values in recorded.values.items()]
@@ -90,9 +89,12 @@ def read(file: str) -> Recorded:
         if report["method"] not in METHODS:
             method, allowed = report["method"], ", ".join(METHODS)
             raise InputError(f"{file!r}: method {method!r}; allowed: {allowed}; use the version that wrote the file")
+        if report.get("changes"):
+            how = "allowed: one scene for the whole run; use the version that wrote the file"
+            raise InputError(f"{file!r}: its parameters change along the run; {how}")
         values = values if fields else numbers_of(report)
         values = {name: np.asarray(numbers, float) for name, numbers in values.items()}
-        return Recorded(_legs(report), report["method"], origin, values, fields)
+        return Recorded(_scene(report), report["method"], origin, values, fields)
     except InputError:
         raise
     except OSError as error:
@@ -101,16 +103,12 @@ def read(file: str) -> Recorded:
         raise InputError(f"{file!r}: not a run ({type(error).__name__}: {error}); {HOLDS}") from None
 
 
-def _legs(report):
-    """The legs of the run, as `carried_path` takes them."""
+def _scene(report):
+    """The Scene of the run."""
     given = {name: inf if value == "inf" else value for name, value in report["scene"].items()}
     if measured := given.pop("measured", None):
         given["measured"] = Profile(measured["length"], measured["heights"], tuple(measured["notes"]))
-    scene, changes = Scene(**given), report.get("changes") or [{"increment": 0}]
-    starts = [change["increment"] for change in changes]
-    counts = [*np.diff(starts).tolist(), None]
-    names = [{n: v for n, v in change.items() if n not in ("increment", "stage", "U_x")} for change in changes]
-    return [(scene.changed(**parameters), count) for parameters, count in zip(names, counts, strict=True)]
+    return Scene(**given)
 
 
 def numbers_of(report: dict[str, Any]) -> dict[str, list[Any]]:

@@ -14,7 +14,7 @@ import segno
 from app.service import packing, worker
 from app.service.packing import Frames
 from app.service.skeletons import pickled
-from solver import LIMITS, NotConverged, ProfileError, advance, carried_path, read_profile
+from solver import LIMITS, NotConverged, ProfileError, advance, load_path, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
@@ -27,6 +27,7 @@ from solver.files import write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.run.film import through
+from solver.run.loadpath import Checkpoint, Run, deadline
 
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
@@ -161,20 +162,23 @@ def layer_table(scene, depth, rows, modes):
     return counts.tolist(), scale, np.rint(factors / scale).astype("<i2").tobytes()
 
 
-def slow_motion(legs, state=None):
-    """Return packed blocks of the transient that led to the last frame of legs; a Part; or a str: why there is none.
+def slow_motion(scene, frame, state=None):
+    """Return packed blocks of the transient that led to a frame of the run; a Part; or a str: why there is none.
 
-    legs: of `solver.carried_path`. The run is repeated, as the browser's frames are rounded.
+    The run is repeated, as the browser's frames are rounded.
     """
-    *earlier, (scene, count) = legs
+    done, checkpoint = state or (0, Checkpoint())
+    run, until = Run(scene), perf_counter() + SLICE
     try:
-        reached = worker.carried(
-            (*earlier, (scene, count - 1), (scene, 0)), state, perf_counter() + SLICE, limit=worker.SLOW
-        )
-        if isinstance(reached, worker.Repeated):
-            return Part(reached)
-        film, _ = through(scene, reached, limit=worker.SLOW)
-    except (NotConverged, ValueError) as error:
+        while done < frame and not checkpoint.done and perf_counter() < until:
+            _, checkpoint = run.next_frame(checkpoint, deadline(worker.SLOW))
+            done += 1
+        if checkpoint.done:
+            return f"frame = {frame}; allowed: 0 .. {done - 1}, where the run ends; choose one of them"
+        if done < frame:
+            return Part((done, checkpoint))
+        film, _ = through(scene, checkpoint, limit=worker.SLOW)
+    except NotConverged as error:
         return str(error)
     return packing.packed(scene, [(frame, 0.0) for frame in film], True) if film else "no branch ends here"
 
@@ -224,17 +228,16 @@ def fitted(scene, measured, free):
         return f"{error}".rstrip(".")
 
 
-def file_of_run(legs, kind):
+def file_of_run(scene, kind):
     """Return the file that `python -m solver run` writes, bytes; it ends where the run did not converge.
 
-    kind: npz or json; legs: of `solver.carried_path`, one (Scene, None) for a run that starts from nothing.
+    kind: npz or json.
     """
-    scene, _ = legs[-1]
     frames, failure, begun = [], None, perf_counter()
     try:
-        for frame in carried_path(legs):
+        for frame in load_path(scene):
             frames.append(frame)
-    except (NotConverged, ValueError) as error:  # ValueError: the state does not continue into a scene
+    except NotConverged as error:
         failure = str(error)
     with TemporaryDirectory() as folder:
         file = Path(folder, "run")

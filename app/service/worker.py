@@ -5,9 +5,8 @@ import pickle
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field
-from itertools import pairwise
-from math import e, inf
+from dataclasses import dataclass
+from math import e
 from queue import SimpleQueue
 from time import perf_counter
 
@@ -16,14 +15,11 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.event import Listener, install_listener
 
 from app.service.packing import Frames, packed
-from solver import Checkpoint, NotConverged, NotFollowed, Scene, SceneError, advance, skeleton_from
+from solver import NotFollowed, Scene, advance, skeleton_from
 from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
-from solver.continuation.state import OutOfTime
-from solver.run.carry import carry_on
 from solver.run.frame import largest_safe_damping
 from solver.run.load_steps import load_steps_of
-from solver.run.loadpath import Run, deadline
 from solver.run.slices import in_time
 
 NICENESS = 10  # low priority: the event loop goes before the computations
@@ -38,11 +34,11 @@ REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attrac
 class Slice(Frames):
     """The outcome of one task.
 
-    ahead: number of frames left, None while earlier runs of the history are repeated. state: pickled state from which
-    the next slice continues, None when the run is done; the server does not read it.
+    ahead: number of frames left. state: pickled state from which the next slice continues, None when the run is done;
+    the server does not read it.
     """
 
-    ahead: int | None = None
+    ahead: int = 0
     state: bytes | None = None
     done: bool = False
     failure: str | None = None
@@ -95,27 +91,14 @@ def ready():
     """A task that does nothing."""
 
 
-@dataclass(frozen=True)
-class Repeated:
-    """State while earlier runs are repeated: number of finished legs, frames of the current leg, its Checkpoint."""
-
-    legs: int = 0
-    frames: int = 0
-    checkpoint: Checkpoint = field(default_factory=Checkpoint)
-
-
-def compute(scene, state, budget, history=(), limit=SLOW):
+def compute(scene, state, budget, limit=SLOW):
     """Advance `scene` for about `budget` seconds, or longer if that ends in the approach, and pack the frames.
 
-    state: of the previous Slice, or None; history: ((Scene, frames), ...) of the earlier runs that this one continues;
-    limit: s of processor time per increment. A longer one is left out; a further call may repeat it with more time.
+    state: of the previous Slice, or None; limit: s of processor time per increment. A longer one is left out; a further
+    call may repeat it with more time.
     """
     begun = perf_counter()
     checkpoint, last = pickle.loads(state) if state else (None, None)
-    if history and (checkpoint is None or isinstance(checkpoint, Repeated)):
-        checkpoint = _repeated(scene, checkpoint, begun, budget, history, limit)
-        if isinstance(checkpoint, Slice):
-            return checkpoint
     frames, checkpoint = _advanced(scene, checkpoint, begun, budget, limit)
     heavy = checkpoint.late or (limit == SLOW and _slow(begun, budget))
     if checkpoint.late and limit < SLOW:
@@ -134,7 +117,7 @@ def compute(scene, state, budget, history=(), limit=SLOW):
         done=checkpoint.done,
         failure=checkpoint.failure,
         heavy=heavy,
-        skeleton=None if history else _skeleton(scene, checkpoint),
+        skeleton=_skeleton(scene, checkpoint),
     )
 
 
@@ -144,19 +127,6 @@ def _skeleton(scene, checkpoint):
         with suppress(NotFollowed):
             return skeleton_from(scene, checkpoint)
     return None
-
-
-def _repeated(scene, repeated, begun, budget, history, limit):
-    """Return the Checkpoint where the run continues others; or a Slice without frames: unfinished, or failed."""
-    try:
-        reached = carried((*history, (scene, 0)), repeated or Repeated(), begun + budget, limit)
-    except (NotConverged, SceneError, NotInShear) as error:  # the state does not continue into this scene
-        if isinstance(error, OutOfTime) and limit < SLOW:
-            return Slice(state=pickle.dumps((repeated, None)), heavy=True)
-        return Slice(ahead=0, done=True, failure=str(error))
-    if isinstance(reached, Repeated):
-        return Slice(state=pickle.dumps((reached, None)), heavy=_slow(begun, budget))
-    return reached
 
 
 def _advanced(scene, checkpoint, begun, budget, limit):
@@ -171,37 +141,6 @@ def _advanced(scene, checkpoint, begun, budget, limit):
 def _slow(begun, budget):
     """Whether a slice took so much longer than its budget that its run would delay others."""
     return perf_counter() > begun + budget + QUICK
-
-
-def carried(history, repeated=None, until=inf, limit=inf):
-    """Return the Checkpoint from which the last scene of history [(scene, frames), ...] continues: see `carry_on`.
-
-    This repeats every earlier run up to the frame where the next one continues it, so nothing needs to be stored.
-    At time `until` of perf_counter it returns the Repeated reached so far.
-    """
-    repeated = repeated or Repeated()
-    checkpoint, frame = repeated.checkpoint, None
-    for k, ((scene, count), (changed, _)) in enumerate(pairwise(history)):
-        if k < repeated.legs:
-            continue
-        run = Run(scene)
-        for frames in range(repeated.frames if k == repeated.legs else 0, count):
-            if frame and perf_counter() > until:
-                return Repeated(k, frames, checkpoint)
-            if checkpoint.done:
-                raise NotInShear("the run ended before the increment from which this one should continue")
-            frame, checkpoint = run.next_frame(checkpoint, deadline(limit))
-        try:
-            checkpoint = carry_on(frame, changed) if changed != scene else checkpoint
-        except SceneError:
-            raise
-        except ValueError as error:
-            raise NotInShear(str(error)) from None
-    return checkpoint
-
-
-class NotInShear(ValueError):
-    """A run can continue only from an increment in shear that it has reached."""
 
 
 def _works(scene, frames, last):

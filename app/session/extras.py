@@ -27,7 +27,7 @@ class Film(Requests):
         self.cancel()
         shown = self.session.run
         if shown is not None and shown.number == run:
-            call = (tasks.slow_motion, shown.up_to(frame))
+            call = (tasks.slow_motion, shown.scene, frame)
             self.ask(call, lambda made: self._made(made, frame), rank=LATER, seconds=LONGEST_FILM)
 
     def _made(self, made, frame):
@@ -40,16 +40,16 @@ class Film(Requests):
 class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
-    @order("layer", rows=orders.is_number, modes=orders.is_number, depth=orders.is_number, frame=orders.is_whole)
-    def request(self, rows, modes, depth, frame=None):
-        """Send the table for the run on screen, or one frame of it: {rows, modes, depth (nm) of the last row}.
+    @order("layer", rows=orders.is_number, modes=orders.is_number, depth=orders.is_number)
+    def request(self, rows, modes, depth):
+        """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
 
         A browser repeats its request while it waits. That must not start the work again.
         """
         run = self.session.run
         if run is None:
             return
-        scene = run.scene if frame is None else run.up_to(frame)[-1][0]
+        scene = run.scene
         asked = {"rows": rows, "modes": modes, "depth": depth}
         rows = int(min(max(rows, ROWS[0]), ROWS[1]))
         modes = int(min(max(modes, MODES[0]), MODES[1], scene.nodes // 2))

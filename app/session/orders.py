@@ -38,11 +38,6 @@ def is_whole(value: Any) -> bool:
     return type(value) is int and 0 <= value < 1e9
 
 
-def is_increment(value: Any) -> bool:
-    """Whether it is [number of a run, frame]."""
-    return isinstance(value, list) and len(value) == 2 and all(map(is_whole, value))
-
-
 def is_text(value: Any, most: int = 64) -> bool:
     return isinstance(value, str) and len(value) <= most
 

@@ -19,8 +19,6 @@ from concurrent.futures import CancelledError
 from functools import partial
 from math import isfinite
 
-from cachetools import LRUCache
-
 from app.limits import increments_of
 from app.service import metrics
 from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
@@ -35,7 +33,6 @@ FIRST = 0.025  # s of work in the first slice: the approach and the first shear,
 BUDGET = 0.12  # s of work in any other slice: most runs end in the second, and a slow run visibly grows
 SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
 PATIENCE = 0.5  # s that a newer request waits for a slice: its budget plus the longest increment of most runs
-RUNS = 40  # runs of a visitor from which another run may continue
 WAITS = 1.0  # s in the queue before a visitor sees the position
 OFF = "What was shown while the slider moved"  # a note begins with it
 
@@ -49,7 +46,7 @@ class Pursuit:
 
     def __init__(self, session):
         self.session = session
-        self.run, self.runs = None, LRUCache(RUNS)  # the last run, and all by number
+        self.run = None  # the last one
         self.requested = None  # the newest RunRequest, while `task` is in flight
         self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
         self.held = False  # whether a slider is held
@@ -63,12 +60,9 @@ class Pursuit:
         return "idle" if self.task is None else "following" if self.task.call[0] is followed else "exact"
 
     @property
-    def legs(self):
-        """((Scene, frames), ..., (Scene, None)) that lead to the last requested run: see `solver.carried_path`."""
-        if self.requested is not None:
-            after = self.requested.after
-            return (*(self.runs[after[0]].up_to(after[1]) if after else ()), (self.requested.scene, None))
-        return (*self.run.history, (self.run.scene, None)) if self.run else ((self.session.scene, None),)
+    def scene(self):
+        """The Scene of the last requested run."""
+        return (self.requested or self.run or self.session).scene
 
     @property
     def position(self):
@@ -173,12 +167,12 @@ class Pursuit:
         """Start the newest request. A held slider follows the nearest Skeleton: of the open page, or of the run."""
         request, self.requested = self.requested, None
         skeleton = None
-        if request.held and not request.after:
+        if request.held:
             origin = (self.shown or self.run.scene) if self.skeleton else None
             page = self.session.pages.page
             skeleton = (page and page.nearer(request.scene, origin)) or self.skeleton
         if skeleton is None:
-            return self._begin(request.scene, request.after)
+            return self._begin(request.scene)
         if self.run and self.run.state == "running":
             self.run.state = "skipped"
         self.session.marks.cancel()  # until the next run has ended
@@ -192,7 +186,7 @@ class Pursuit:
         if not isinstance(made, Followed):
             metrics.not_followed.labels(made if isinstance(made, str) else "the worker was lost").inc()
             self.shown, request = None, self.requested or request
-            return self._begin(request.scene, request.after)
+            return self._begin(request.scene)
         metrics.count("followed")
         self.skeleton, self.shown = made.skeleton, request.scene
         self.session.send("picture", acknowledged=request.number, **made.picture)
@@ -203,8 +197,8 @@ class Pursuit:
 
     # the exact run
 
-    def _begin(self, scene, after=None, refines=False):
-        """Start the run of a scene, or continue from the frame `after`. refines: the run replaces a picture."""
+    def _begin(self, scene, refines=False):
+        """Start the run of a scene. refines: the run replaces a picture."""
         self.abandon()
         self.requested = None
         if not self.held and not refines:
@@ -213,11 +207,8 @@ class Pursuit:
             self.run.leave()
         number = self.run.number + 1 if self.run else 1
         state = "warming" if self.session.pool.status != "ready" else "running"
-        run = Run(number, scene, increments_of(scene), state, time.monotonic(), refines=refines)
-        if after:
-            run.after, run.history, run.frames = after, self.runs[after[0]].up_to(after[1]), after[1] + 1
-        self.run = self.runs[number] = run
-        cached = None if after else self.session.run_cache.get(scene)
+        self.run = run = Run(number, scene, increments_of(scene), state, time.monotonic(), refines=refines)
+        cached = self.session.run_cache.get(scene)
         metrics.count("run_cache_misses" if cached is None else "run_cache_hits")
         if cached is None:
             self._slice(BUDGET if refines else FIRST)
@@ -259,9 +250,9 @@ class Pursuit:
         return self.requested is not None and not ends
 
     def _end(self):
-        """End the run; all visitors may use one that is complete and starts from nothing."""
+        """End the run; all visitors may use a complete one."""
         run = self.run
-        if run.state == "finished" and not run.history:
+        if run.state == "finished":
             self.session.run_cache.put(run.scene, run.packed)
         self._ended(run.packed)
         run.leave()

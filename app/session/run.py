@@ -13,13 +13,12 @@ ERROR = "an error of the server, which its log describes; choose an experiment t
 
 @dataclass(frozen=True)
 class RunRequest:
-    """The Scene to show; after: (number of a run, frame) from which it continues.
+    """The Scene to show.
 
     held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order with this request.
     """
 
     scene: Scene
-    after: tuple | None = None
     held: bool = False
     at: float = 0.0
     number: float | None = None
@@ -36,10 +35,8 @@ class Run:
     started: float  # s, monotonic
     paused: float = 0.0  # s, monotonic: when it was paused last
     checkpoint: bytes | None = None  # state of the last slice, for the next
-    history: tuple = ()  # ((Scene, frames), ...) of the runs that this one continues
-    after: tuple = ()  # (number of a run, frame) from which this one continues, in the browser's count
-    frames: int = 0  # including those of the history
-    packed: Frames = field(default_factory=Frames)  # its own frames; their blocks are dropped after the run
+    frames: int = 0
+    packed: Frames = field(default_factory=Frames)  # their blocks are dropped after the run
     seconds: float = 0.0
     heavy: bool = False  # whether an increment is so expensive that the run must not delay others
     refines: bool = False  # whether it replaces a picture: the browser shows it when complete
@@ -50,7 +47,7 @@ class Run:
         """Return (call, {"rank", "seconds"}) of the next slice; budget: s of work."""
         rank = HEAVY if self.heavy else EXACT if self.refines else SCREEN
         limit = worker.SLOW if self.heavy else worker.QUICK
-        call = worker.compute, self.scene, self.checkpoint, budget, self.history, limit
+        call = worker.compute, self.scene, self.checkpoint, budget, limit
         return call, {"rank": rank, "seconds": worker.APPROACH * budget}
 
     def pause(self, now):
@@ -66,8 +63,7 @@ class Run:
         self.checkpoint = piece.state
         self.frames += piece.frames
         self.heavy = piece.heavy
-        if piece.ahead is not None:
-            self.total = self.frames + piece.ahead
+        self.total = self.frames + piece.ahead
         self.packed += piece
         self.seconds = now - self.started
         if self.state == "warming":
@@ -98,26 +94,15 @@ class Run:
         self.total = self.frames = cached.frames
 
     def leave(self):
-        """Drop the blocks; keep the history, from which frames can be computed again."""
+        """Drop the blocks; frames can be computed again."""
         self.checkpoint = None
         self.packed = replace(self.packed, blocks=(), skeleton=None)
-
-    def up_to(self, frame):
-        """Return ((Scene, frames), ...) up to and including a frame: see `solver.carried_path`."""
-        legs, left = [], frame + 1
-        for scene, count in self.history:
-            if left <= count:
-                return (*legs, (scene, left))
-            legs.append((scene, count))
-            left -= count
-        return (*legs, (self.scene, left))
 
     def status(self):
         """Return the status for the browser, as plain data."""
         return {
             "state": "refining" if self.refines and self.state == "running" else self.state,
             "run": self.number,
-            "after": self.after or None,
             "frames": self.frames,
             "total": self.total,
             "evaluations": self.packed.evaluations,

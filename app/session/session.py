@@ -5,7 +5,6 @@ import os
 
 from bokeh.document.events import MessageSentEvent
 
-from app.limits import INCREMENTS
 from app.service import metrics, tasks
 from app.service.pool import LATER
 from app.service.pool import pool as shared_pool
@@ -19,10 +18,8 @@ from app.session.pursuit import Pursuit
 from app.session.run import RunRequest
 from app.session.share import Share
 from solver import SceneError
-from solver.run.carry import GEOMETRY
 
 log = logging.getLogger("app")
-LEGS = 40  # runs in a row that continue one another, at most
 VISITORS = int(os.environ.get("APP_VISITORS", 60))  # connected at a time, at most
 visitors = set()  # sessions of this process; Panel's own count is late
 
@@ -96,11 +93,10 @@ class Session:
         """Start the first run: the page is ready."""
         self.pursuit.request(RunRequest(self.scene))
 
-    @order("scene", values=orders.are_entries, held=orders.is_flag, at=orders.is_number, after=orders.is_increment)
-    def change(self, values, after=None, held=False, at=0.0):
+    @order("scene", values=orders.are_entries, held=orders.is_flag, at=orders.is_number)
+    def change(self, values, held=False, at=0.0):
         """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
 
-        after: [number of a run, frame] from which the new run continues; without it, the run starts from nothing.
         held: a slider is held: predicted pictures with the frame at U_x = `at` nm follow it.
         """
         self.notes = []
@@ -108,28 +104,8 @@ class Session:
         if scene == self.scene:
             self.publish()
         else:
-            after = after and self._usable(scene, tuple(after))
             self.scene = scene
-            self.pursuit.request(RunRequest(scene, after, held, at, self.acknowledged))
-
-    def _usable(self, scene, after):
-        """Return the (run, frame) to continue from, or None with a note if the scene must start from the beginning."""
-        run = self.pursuit.runs.get(after[0])
-        if not run or after[1] >= run.frames:
-            self.notes += ["The run to continue is no longer there: this one starts from the beginning."]
-            return None
-        if any(getattr(scene, name) != getattr(self.scene, name) for name in (*GEOMETRY, "path")):
-            self.notes += ["A run continues only with the same surface and path: this one starts from the beginning."]
-            return None
-        if after[1] >= INCREMENTS:
-            self.notes += [
-                f"A run continues only from its first {INCREMENTS} increments: this one starts from the beginning."
-            ]
-            return None
-        if len(run.history) >= LEGS:
-            self.notes += [f"At most {LEGS} runs continue one another: this one starts from the beginning."]
-            return None
-        return after
+            self.pursuit.request(RunRequest(scene, held, at, self.acknowledged))
 
     @order("file", entry=orders.FILES.__contains__, text=orders.is_content)
     def read_file(self, entry, text):

@@ -27,7 +27,7 @@ class Share(Requests):
     @order("share", link=orders.is_link)
     def sheet(self, link):
         """Send the Python lines of the run on screen, then the QR code of a link, which a worker draws."""
-        send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.legs))
+        send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.scene))
         send(qr="")
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
@@ -35,7 +35,7 @@ class Share(Requests):
     @order("export", kind=orders.FORMATS.__contains__)
     def export(self, kind):
         """Let a worker write the file of the run: `kind` is npz or json."""
-        call = (tasks.file_of_run, self.session.pursuit.legs, kind)
+        call = (tasks.file_of_run, self.session.pursuit.scene, kind)
         self.add_one(call, lambda made: self._made(made, kind), rank=LATER, seconds=LONG)
 
     def _made(self, made, kind):
@@ -44,29 +44,14 @@ class Share(Requests):
         self.session.send("file", ending=kind, why=why, body=b"" if why else body)
 
 
-def python_lines(legs):
-    """Return the lines of Python that compute a run, given by its legs as in `solver.carried_path`.
-
-    For a measured surface they read the profile from the run's JSON.
-    """
-    first, path = legs[0][0], "load_path" if len(legs) == 1 else "carried_path"
-    made = _arguments(first, Scene())
-    lines = [f"from solver import Scene, {path}"]
-    if first.surface == "measured":
+def python_lines(scene):
+    """Return the lines of Python that compute a run. For a measured surface they read the profile from its JSON."""
+    usual = scene.differences(Scene())
+    made = [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in usual.items()]
+    lines = ["from solver import Scene, load_path"]
+    if scene.surface == "measured":
         made.append('measured=Profile(known["length"], known["heights"])')
-        lines = [f"import json; from solver import Profile, Scene, {path}"]
+        lines = ["import json; from solver import Profile, Scene, load_path"]
         lines += ['known = json.load(open("mixed-mode-contact.json"))["scene"]["measured"]']
-    what = f"Scene({', '.join(made)})"
-    if len(legs) > 1:
-        parts = [f"(scene, {legs[0][1]})"]
-        parts += [f"(scene.changed({', '.join(_arguments(scene, first))}), {count})" for scene, count in legs[1:]]
-        lines += [f"scene = {what}", f"legs = [{', '.join(parts)}]"]
-        what = "legs"
-    last = 'print(len(frames), "increments, largest F", max(frame.F for frame in frames), "N/m")'
-    return "\n".join([*lines, f"frames = list({path}({what}))", last])
-
-
-def _arguments(scene, usual):
-    """Return ["name=value", ...] of the differences between two scenes, without the profile of a measured surface."""
-    values = scene.differences(usual)
-    return [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in values.items()]
+    lines += [f"frames = list(load_path(Scene({', '.join(made)})))"]
+    return "\n".join([*lines, 'print(len(frames), "increments, largest F", max(frame.F for frame in frames), "N/m")'])

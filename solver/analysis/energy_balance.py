@@ -47,7 +47,7 @@ class Work:
 
 
 def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
-    """Computes the energy balance of a run; with changed parameters only `top` is meaningful.
+    """Computes the energy balance of a run.
 
     Parameters: scene; frames: all of the run, in order, with their fields.
     Returns the Work.

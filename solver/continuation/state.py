@@ -44,7 +44,7 @@ class State(NamedTuple):
     secants: Secants | None = None
     sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
     mode: "Mode | None" = None  # the one that grows fastest, as judged last
-    # True after the load control or the parameters changed: check stability, and let the state relax, before continuing
+    # True after the load control changed: check stability, and let the state relax, before continuing
     unsure: bool = False
     trace: "Trace | None" = None  # of this load step; kept by `replay.Replay`
     residual: float = np.inf  # nm

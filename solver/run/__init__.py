@@ -4,6 +4,5 @@ load_steps           the path of the top under a load parameter: the steps of `p
 loadpath             a run that owns its buffers and yields its Frames in order, to its end or `until` one; checkpoints
 slices               the same run, a few frames at a time, from one checkpoint to the next
 frame, summary       what an increment reports: u, T, F, L, A, slip events; a run in a few numbers, and what it omitted
-carry                continue a run from one of its Frames, under other parameters
 film                 the transient of one slip from the Frame before it, state by state
 """

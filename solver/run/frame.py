@@ -15,7 +15,6 @@ from ..mechanics.flutter import safe_damping
 from ..scene import Scene
 
 # stage: what changes along it, and which way. A stage of path "points" has a number before, as in "2 shear".
-# press: to another indentation, see `carry`
 STAGES = {
     "approach": ("delta", 1.0),
     "shear": ("U_x", 1.0),
@@ -23,7 +22,6 @@ STAGES = {
     "forth": ("U_x", 1.0),
     "unload": ("delta", -1.0),
     "reload": ("delta", 1.0),
-    "press": ("delta", 1.0),
     "move": ("U_x", 1.0),  # with delta, along an oblique line
 }
 
@@ -82,7 +80,7 @@ class Frame:
     F_bar, L_bar: forces over w E; A_bar: length in contact over w.
     """
 
-    scene: Scene = field(repr=False)  # it was computed with: of a run carried on (`carry`), not the same for all
+    scene: Scene = field(repr=False)
     stage: str  # of the load path: as of `load_steps.LoadStep`
     index: int  # of the increment within its stage
     U_x: float  # nm, of the stage

@@ -53,7 +53,6 @@ class Checkpoint(NamedTuple):
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
     jumps: tuple[tuple[End, tuple[int, int]], ...] = ()  # slips of the approach, and the patch each one is on
-    carried: bool = False  # the state is an equilibrium of other parameters: it may jump in the next increment
 
 
 def load_path(
@@ -131,12 +130,10 @@ class Run:
     def next_frame(self, checkpoint, observe=None) -> tuple[Frame, Checkpoint]:
         """(frame, checkpoint) of the increment that `checkpoint` stands before.
 
-        Raises NotConverged; what `observe` raises; ValueError where another method than fast is to carry a run on.
+        Raises NotConverged; what `observe` raises.
         """
         load_steps = checkpoint.load_steps or load_steps_of(self.scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
-        if checkpoint.carried and not self._fast:  # the motion would start from a rest under other parameters
-            raise ValueError(f"method = {self.method!r}; allowed where a run carries on: fast; or start it anew")
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.observe = observe
         before = stepper.problem.evaluations
@@ -144,7 +141,7 @@ class Run:
         index, self.done = self._increment(step, checkpoint.increment, state)
         done = self.done
         problem = stepper.problem
-        events = () if checkpoint.carried else tuple(self._event(step, slip) for slip in done.slips)
+        events = tuple(self._event(step, slip) for slip in done.slips)
         numbers = step.stage, index, done.residual, problem.evaluations - before
         frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
         where = problem.contact.first, problem.contact.size
@@ -199,7 +196,7 @@ class Run:
         problem, state, last = self.stepper.problem, done.state, index >= step.increments
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
-        progress = {"increment": index + 1, "state": state, "load_steps": load_steps, "carried": False}
+        progress = {"increment": index + 1, "state": state, "load_steps": load_steps}
         if not last:
             return progress
         following = load_steps[load_steps.index(step) + 1 :]

@@ -26,7 +26,7 @@ def advance(
     method: a name in METHODS; leave_out: RULES that may be used; limit: processor time of an increment.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.failure names the load and a remedy.
-    Raises ValueError for a method that is not in METHODS, or that cannot carry a run on.
+    Raises ValueError for a method that is not in METHODS.
 
     Example: `frames, checkpoint = advance(Scene())`
     """

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
-from ..scene import PARAMETERS, Scene
+from ..scene import Scene
 from .frame import Frame, kind, largest_safe_damping, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
 from .loadpath import ALL, RULES
@@ -39,28 +39,20 @@ def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.flo
     return {"x": np.arange(first, last) * scene.spacing, "u": u, "T": T}
 
 
-def changing(frames: Sequence[Frame]) -> tuple[str, ...]:
-    """Names of the parameters that differ between Frames: some of a run that was carried on, else none."""
-    scenes = list({id(frame.scene): frame.scene for frame in frames}.values())
-    return tuple(name for name in PARAMETERS if any(getattr(s, name) != getattr(scenes[0], name) for s in scenes))
-
-
 def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """Describes a run in a few numbers, as `run --json` writes them.
 
     Parameters: scene: that of the end of the run; frames: all of them, in order.
     Returns a dict: A_0 and the number of slips after the approach, U_s (nm), F_s and A_s at the first slip of a stage
-    that moves U_x, None where it does not exist. Forces are over w E of their own increment.
+    that moves U_x, None where it does not exist. Forces are over w E.
 
     Example: `summarize(Scene(), simulate(Scene()).frames)["U_s"]`
 
     A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min, the least
-    load of a retraction, exists only with a stage 'unload'. In a run with changed parameters `events` name them, `E_s`
-    is the E of F_s, and `changes` lists the increments where they change.
+    load of a retraction, exists only with a stage 'unload'.
     """
-    names = changing(frames)
-    events = [event.as_dict() | _values(f, names) for f in frames for event in f.slips]
-    sliding = (e.as_dict() | _values(f, names) for f in frames for e in slides_in(f))
+    events = [event.as_dict() for f in frames for event in f.slips]
+    sliding = (event.as_dict() for f in frames for event in slides_in(f))
     first: dict[str, Any] = next(sliding, {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {
@@ -78,8 +70,6 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     }
     if retraction := [f.L_bar for f in after if kind(f.stage) == "unload"]:
         summary["L_min"] = min(retraction)
-    if names:
-        summary |= {"E_s": first.get("E", scene.E) if first else None, "changes": changes(frames)}
     return summary
 
 
@@ -89,18 +79,7 @@ def _converged(scene, frames):
     if not frames or frames[-1].stage != last.stage:
         return False
     ended = last.loading.load_of(frames[-1]) >= last.at(last.increments) - ROUND_OFF * last.increment
-    return ended and all(f.residual <= f.scene.tolerance for f in frames)
-
-
-def _values(frame, names):
-    return {name: getattr(frame.scene, name) for name in names}
-
-
-def changes(frames: Sequence[Frame]) -> list[dict[str, Any]]:
-    """[{increment, stage, U_x and the changing parameters}] of the first Frame and each one where they change."""
-    names = changing(frames)
-    first = (k for k, f in enumerate(frames) if k == 0 or f.scene != frames[k - 1].scene)
-    return [{"increment": k, "stage": frames[k].stage, "U_x": frames[k].U_x} | _values(frames[k], names) for k in first]
+    return ended and all(f.residual <= scene.tolerance for f in frames)
 
 
 def account(frames, leave_out=ALL) -> dict[str, dict]:

@@ -113,45 +113,28 @@ def test_two_files_asked_for_at_once_both_come(page):
     assert all(file["body"] and not file["why"] for file in page.messages)
 
 
-def test_table_of_a_layer_is_that_of_the_frame_asked_for(session):
-    """In a run that went on with another height, the page asked for the table of an earlier frame again and again."""
+def test_table_of_a_layer_belongs_to_the_run_on_screen(session):
     sent = messages(session)
-    before, scene = Scene(), Scene(height=2.0)
-    session.pursuit.run = Run(2, scene, 500, "finished", 0.0, history=((before, 200),), frames=400)
-    for frame, height in ((None, 2.0), (150, 1.0), (250, 2.0)):
-        say(session, {"do": "layer", "rows": 20, "modes": 32, "depth": 300.0, "frame": frame})
-        (call,) = session.layer.waiting
-        assert call[1].height == height
-        session.layer._answered(call, ((1, 2, 3), 1.0, b""))
-        assert sent[-1]["geometry"][1] == height and sent[-1]["asked"] == {"rows": 20, "modes": 32, "depth": 300.0}
+    session.pursuit.run = Run(2, Scene(height=2.0), 500, "finished", 0.0, frames=400)
+    say(session, {"do": "layer", "rows": 20, "modes": 32, "depth": 300.0})
+    (call,) = session.layer.waiting
+    assert call[1].height == 2.0
+    session.layer._answered(call, ((1, 2, 3), 1.0, b""))
+    assert sent[-1]["geometry"][1] == 2.0 and sent[-1]["asked"] == {"rows": 20, "modes": 32, "depth": 300.0}
 
 
 @pytest.mark.slow
-def test_only_a_run_that_starts_from_nothing_is_stored_for_all(page):
+def test_a_finished_run_is_stored_for_all_visitors_and_dropped_by_its_own(page):
     page.order("hello")
     page.until("finished")
     made, run_cache = page.session.run.packed, page.session.run_cache
     assert (made.blocks, made.skeleton) == ((), None) and page.session.scene in run_cache
-    say(page.session, {"do": "scene", "values": {"delta_bar": "0.1"}, "after": [1, 120]})
-    page.until("finished")
-    assert page.session.run.history and page.session.run.packed.blocks == () and page.session.scene not in run_cache
-
-
-def test_number_of_chained_runs_is_limited(session, monkeypatch):
-    monkeypatch.setattr("app.session.session.LEGS", 2)
-    session.scene = Scene(delta_bar=0.1)
-    for number in (1, 2, 3):
-        before = tuple((Scene(delta_bar=0.01 * k), 10) for k in range(number - 1))
-        session.pursuit.runs[number] = Run(number, session.scene, 500, "finished", 0.0, history=before, frames=200)
-    for number, usable in ((1, True), (2, True), (3, False)):
-        assert session._usable(Scene(delta_bar=0.2), (number, 150)) == ((number, 150) if usable else None)
-    assert "starts from the beginning" in session.notes[-1] and len(session.notes) == 1
 
 
 @pytest.mark.parametrize("name", presets())
 def test_python_code_of_a_preset_reproduces_its_scene(name):
     scene = presets()[name].scene
-    call = python_lines([(scene, None)]).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
+    call = python_lines(scene).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
     assert eval(call, {"Scene": Scene}) == scene
 
 
@@ -205,4 +188,4 @@ def test_exports_use_the_newest_scene_while_it_waits(session):
     session.hello()
     session.pool.tasks[-1].set_running_or_notify_cancel()
     session.change({"E": "90"})
-    assert session.pursuit.requested and session.pursuit.legs == ((session.scene, None),)
+    assert session.pursuit.requested and session.pursuit.scene == session.scene

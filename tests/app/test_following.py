@@ -256,15 +256,6 @@ def test_marks_of_the_sliders_are_those_of_the_scene_also_after_a_run_that_was_s
     assert all(call[1].phi_ratio == 0.5 for call in page.session.marks.waiting)
 
 
-def test_the_origin_of_a_movement_stays_however_many_runs_continue_it(page):
-    page.order("scene", phi_ratio=0.5)  # run 2 continues nothing
-    for k in range(pursuit.RUNS + 2):
-        say(page.session, {"do": "scene", "values": {"E": 100.0 + k}, "after": [1, 100], "n": k})
-        page.order("skip")
-    assert page.status()["after"] == (1, 100) and page.status()["notes"] == []
-    assert 1 in page.session.pursuit.runs and 2 not in page.session.pursuit.runs
-
-
 def test_a_pause_does_not_count_as_time_of_the_run(monkeypatch):
     run = Run(1, SCENE, 600, "running", started=10.0)
     run.pause(12.0)

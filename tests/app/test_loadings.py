@@ -1,8 +1,7 @@
-"""Continued runs, loops and uploaded profiles in the app, without a browser."""
+"""Exports, loops and uploaded profiles in the app, without a browser."""
 
 import io
 import json
-from itertools import islice
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from visitor import PATIENCE, Page, order, send_file, slices
 from app.service import packing, tasks
 from app.session.controls import values_of
 from app.session.share import python_lines
-from solver import Scene, carried_path, load_path
+from solver import Scene, load_path
 from solver.analysis.energy_balance import work_of
 from solver.presets import presets
 
@@ -27,74 +26,16 @@ def page(pool):
     visit.session.close()
 
 
-def carried_frames(scene, count, changed):
-    return list(islice(carried_path([(scene, count), (changed, None)]), count, None))
-
-
-def change(page, after, **values):
-    page.session.change({name: str(value) for name, value in values.items()}, after)
-    page.session.publish()
-    page.until("finished")
-
-
-@pytest.mark.slow
-def test_a_run_continues_from_the_increment_on_screen(page):
-    frame = page.status()["frames"] - 20
-    change(page, (1, frame), E=90)
-    expected = carried_frames(SHORT, frame + 1, SHORT.changed(E=90.0))
-    assert page.status()["after"] == (1, frame)
-    assert page.curve("F_bar") == pytest.approx([f.F_bar for f in expected], rel=1e-6)
-    assert page.status()["frames"] == frame + 1 + len(expected) == page.status()["total"]
-
-
-@pytest.mark.slow
-def test_a_continued_run_can_continue_from_earlier_and_later_increments(page):
-    first = page.status()["frames"] - 20
-    change(page, (1, first), E=90)
-    change(page, (2, first + 5), E=100)
-    assert page.session.run.history == ((SHORT, first + 1), (SHORT.changed(E=90.0), 5))
-    change(page, (3, first - 5), E=110)
-    assert page.session.run.history == ((SHORT, first - 4),)
-
-
-def test_exports_of_a_continued_run_contain_every_part_with_its_own_stiffness(page):
-    """Exports once contained only the last parameters, and frames did not state their E."""
-    frame = page.status()["frames"] - 20
-    change(page, (1, frame), E=90)
-    legs = page.session.pursuit.legs
-    assert legs == ((SHORT, frame + 1), (SHORT.changed(E=90.0), None))
+def test_exported_files_and_python_lines_repeat_the_run_on_screen(page):
     made = {}
-    exec(python_lines(legs), made)
-    assert len(made["frames"]) == page.status()["frames"]
-    shown = []  # (E, N/m) of every frame, as the browser holds them
-    for _, head, curves, _ in page.chunks:
-        assert head["force"] == head["scene"]["E"] * SHORT.width
-        shown += [(head["scene"]["E"], head["force"] * F) for F in curves["F_bar"]]
-    first = page.session.run_cache.get(SHORT).frames
-    shown = shown[: frame + 1] + shown[first:]
-    assert [(f.scene.E, f.F) for f in made["frames"]] == [(E, pytest.approx(F, rel=1e-5, abs=1e-6)) for E, F in shown]
-    with np.load(io.BytesIO(tasks.file_of_run(legs, "npz"))) as data:
-        F = [f.F for f in made["frames"] if f.stage != "approach"]
-        assert data["F_bar"] * data["E"] * SHORT.width == pytest.approx(F, rel=1e-9, abs=1e-9)
-    report = json.loads(tasks.file_of_run(legs, "json"))
-    assert report["converged"] and [part["E"] for part in report["changes"]] == [70.0, 90.0]
-
-
-def test_a_continued_run_is_not_stored_as_a_run_from_the_start(page):
-    change(page, (1, page.status()["frames"] - 10), E=90)
-    assert page.session.run_cache.get(SHORT.changed(E=90.0)) is None
-
-
-def test_a_change_of_the_grid_restarts_the_run_with_a_note(page):
-    change(page, (1, page.status()["frames"] - 10), nodes=250)
-    assert page.status()["after"] is None and "starts from the beginning" in page.status()["notes"][0]
-
-
-def test_a_run_that_cannot_continue_shows_a_reason(page):
-    page.session.change({"u_x_max": "2"}, (1, page.status()["frames"] - 1))
-    page.session.publish()
-    page.until("failed")
-    assert "u_x_max" in page.status()["why"]
+    exec(python_lines(page.session.pursuit.scene), made)
+    shown = np.concatenate([head["force"] * curves["F_bar"] for _, head, curves, _ in page.chunks])
+    assert [frame.F for frame in made["frames"]] == pytest.approx(shown, rel=1e-5, abs=1e-6)
+    with np.load(io.BytesIO(tasks.file_of_run(SHORT, "npz"))) as data:
+        F = [frame.F for frame in made["frames"] if frame.stage != "approach"]
+        assert data["F_bar"] * SHORT.E * SHORT.width == pytest.approx(F, rel=1e-9, abs=1e-9)
+    report = json.loads(tasks.file_of_run(SHORT, "json"))
+    assert report["converged"] and report["scene"]["E"] == SHORT.E
 
 
 def test_work_of_a_loop_does_not_depend_on_slicing(page):

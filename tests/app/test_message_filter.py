@@ -13,19 +13,15 @@ from types import SimpleNamespace
 
 import pytest
 from bokeh.core.serialization import Serializer
-from bokeh.document import Document
 from bokeh.protocol import Protocol
 from bokeh.protocol.receiver import Receiver
 from bokeh.util.token import generate_jwt_token
 from tornado import locks
 from tornado.websocket import WebSocketClosedError
-from visitor import NoPool, say
+from visitor import say
 
 from app import pages
-from app.pages import Pages
-from app.service.cache import Cache
 from app.session import message_filter, orders
-from app.session.session import Session
 
 SCRIPTS = list(Path(pages.__file__).parents[1].rglob("*.js"))
 HELLO = {"do": "hello", "n": 0}
@@ -284,9 +280,7 @@ def test_malformed_messages_close_the_connection_and_are_logged_in_one_line(visi
         '{"do": "scene", "values": {"__class__": "1"}}',
         '{"do": "scene", "values": {"E": [1]}}',
         '{"do": "scene", "values": {"E": {"a": 1}}}',
-        '{"do": "scene", "values": {"E": 80}, "after": [1, -5]}',
-        '{"do": "scene", "values": {"E": 80}, "after": "11"}',
-        '{"do": "scene", "values": {"E": 80}, "after": [1, 1e99]}',
+        '{"do": "scene", "values": {"E": 80}, "after": [1, 5]}',
         '{"do": "scene", "values": {"E": 80}, "held": 1}',
         '{"do": "scene", "values": {"E": "' + "9" * 8001 + '"}}',
         '{"do": "scene", "values": [1]}',
@@ -359,14 +353,3 @@ def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog
     assert "ZeroDivisionError" in caplog.text and "Traceback" in caplog.text
     why = session.status["why"]
     assert "its log" in why and "division" not in why and "Error" not in why
-
-
-def test_a_run_continues_only_from_a_known_increment():
-    """A frame far beyond the run would keep a worker busy for ever."""
-
-    visit = Session(Document(), Pages, {}, NoPool(), Cache(1e8))
-    visit.hello()
-    for after in ([1, 10**8], [7, 0], [1, 0]):
-        say(visit, {"do": "scene", "values": {"delta_bar": 0.3 + 0.01 * after[0]}, "after": after})
-        assert visit.run.history == ()
-    visit.close()

@@ -5,9 +5,9 @@ from math import inf
 
 import numpy as np
 import pytest
-from visitor import SHORT, Page, slices, unpacked
+from visitor import SHORT, Page, unpacked
 
-from app.service import packing, tasks, worker
+from app.service import tasks, worker
 from app.service.pool import HEAVY, LATER, SCREEN
 from solver import NotConverged, Scene, load_path
 from solver.analysis.friction_laws import friction_force, onset
@@ -55,32 +55,10 @@ def test_a_sweep_that_runs_out_of_time_reports_where(short, monkeypatch):
     assert isinstance(made(tasks.flat_curve, FLAT)[0], NotConverged)
 
 
-def test_a_continued_run_in_slices_equals_the_whole_run():
-    history = ((SHORT, 140), (SHORT.changed(delta_bar=0.25), 30))  # beyond the 26 increments of pressing on
-    changed = SHORT.changed(delta_bar=0.3)
-    count, pieces = 0, slices(changed, 0.0, history=history, limit=60.0)
-    while not (piece := next(pieces)).frames:
-        assert piece.failure is None
-        count += 1
-    assert count > 100
-    whole = worker.compute(changed, None, 60.0, history, 60.0)
-    rest = worker.compute(changed, piece.state, 60.0, history, 60.0)
-    assert whole.done and rest.done and piece.frames + rest.frames == whole.frames
-    F, G = (packing.unpack(each.blocks[-1])[1]["F_bar"][-1] for each in (whole, rest))
-    assert pytest.approx(G, rel=1e-6) == F
-
-
 def test_a_finished_run_returns_only_packed_frames_and_its_skeleton():
     piece = worker.compute(SHORT, None, 600.0)
     assert piece.done and piece.state is None
     assert len(pickle.dumps(piece)) < sum(map(len, piece.blocks)) + len(pickle.dumps(piece.skeleton)) + 2000
-
-
-def test_a_worker_reports_why_a_run_cannot_continue():
-    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 1.0, ((SHORT, 3),))
-    assert piece.done and "in shear only" in piece.failure
-    piece = worker.compute(SHORT.changed(delta_bar=0.3), None, 60.0, ((SHORT, 10_000),))
-    assert piece.done and "ended before" in piece.failure
 
 
 def test_an_increment_out_of_time_is_postponed_and_finally_ends_the_run(monkeypatch):

@@ -94,11 +94,11 @@ def test_escape_closes_the_menu_and_space_ticks_its_checkbox(look):
     page = look("?view=hero")
     finished(page)
     page.click("#menu")
-    page.focus("#carry")
+    page.focus("#fringes-on")
     page.keyboard.press("Space")
-    assert page.is_checked("#carry") and not page.evaluate("punch.playing")
+    assert not page.is_checked("#fringes-on") and not page.evaluate("punch.playing")
     page.keyboard.press("Escape")
-    page.locator("#carry").wait_for(state="hidden")
+    page.locator("#fringes-on").wait_for(state="hidden")
     assert page.evaluate("document.activeElement.id") == "menu"
 
 

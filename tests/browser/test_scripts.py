@@ -142,7 +142,7 @@ def test_contact_map_is_empty_where_no_traction_acts(tab):
         assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=1e-3 * np.abs(frame.T[1]).max())
 
 
-def test_a_continued_run_starts_with_the_frames_of_the_previous_run(tab):
+def test_a_film_begins_with_the_frames_of_its_run(tab):
     run_of(tab, SHORT)
     counts = tab.evaluate(
         """(async () => {

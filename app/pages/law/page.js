@@ -12,7 +12,7 @@ export const receive = (news) => { law = news.law }
 export function frame(run, k) {
   if (!law) return
   // which may be another than that of the law
-  const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.headOf(k)
+  const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.head
   const a = law.spacing, phi_t = phi_ratio * phi_n, nodes = run.frame(k), { x, gap, T_n, T_t } = nodes
   const s = new Float32Array(x.length), shear = new Float32Array(x.length), normal = new Float32Array(x.length)
   for (let i = 0; i < x.length; i++) {

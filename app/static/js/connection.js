@@ -72,7 +72,7 @@ function openAnew() {
     for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.searchParams.set(name, value)
   }
   const { playing, speed, run } = me, shown = run?.length ? run.place(now()) : null
-  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown, carry: by("carry").checked }))
+  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown }))
   history.replaceState(history.state, "", address)
   location.reload()
 }
@@ -81,9 +81,8 @@ function openAnew() {
 export function restore() {
   const kept = takeFromTab(AS_IT_WAS)
   if (!kept) return
-  const { playing, speed, shown, carry } = JSON.parse(kept)
+  const { playing, speed, shown } = JSON.parse(kept)
   Object.assign(me, { playing, place: shown })
   if (shown) me.following = false
   by("speed").value = speed
-  by("carry").checked = carry
 }

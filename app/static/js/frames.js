@@ -22,7 +22,7 @@ export class Frames {
     return { head, of: (name) => fields[name].subarray(row * head.nodes, (row + 1) * head.nodes) }
   }
 
-  // The header of the run that frame k belongs to; a run that carries on from others has several
+  // The header of the chunk with frame k: the nodes of its patch
   headOf(k) { return this.places[k][0].head }
 
   // The fields of frame k over the patch: x (deformed, nm), gap (nm), T_n and T_t (GPa); T_t > 0 points against +x; and

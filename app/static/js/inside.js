@@ -36,7 +36,7 @@ export function tableOf({ body, ...table }) {
 
 const keyOf = (geometry, { rows, modes, depth }) => JSON.stringify([geometry, rows, modes, depth])
 
-// The table {rows, modes, depth (nm)} of a scene, that of the run on screen, once it is there
+// The table {rows, modes, depth (nm)} of the scene on screen, once it is there
 export function tableFor(scene, wanted) {
   const key = keyOf(GEOMETRY.map((name) => scene[name]), wanted), table = tables.get(key), now = performance.now()
   if (!table && (!asked || now - since > LOST)) {

@@ -33,8 +33,6 @@ export function receive(chunk) {
 function replaced(chunk) {
   if (coming?.number !== chunk.run) coming = new Run(chunk.run, chunk.head)
   const { status } = me, known = status.run === chunk.run
-  if (!coming.length && known && status.after && me.origin?.number === status.after[0])
-    coming.takeOver(me.origin, status.after[1])
   coming.add(chunk)
   const waits = me.run?.stored ? !me.stale : me.run && !exact(me.run) && !(known && status.state === "running")
   if (waits && !coming.whole) return false

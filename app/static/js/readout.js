@@ -7,7 +7,7 @@ import { me } from "./store.js"
 import { areaText, forceText, summary } from "./words.js"
 
 export function tellFrame(run, k) {
-  const v = run.values(k), stage = run.stage(k), others = under(run, k)
+  const v = run.values(k), stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}: ${spoken("U_x", v.U_x)}`)
   if (!me.playing && !me.dragging) tell(by("now"), summary(run, k, by("sentence").textContent))
   if (!isShown(by("readout"))) return
@@ -18,19 +18,9 @@ export function tellFrame(run, k) {
   const texts = [
     `${run.leg(k)} ${v.index}: ${named("U_x", v.U_x)}${top},`, `${named("delta", v.delta)},`,
     `${forceText(v, "F")},`, `${forceText(v, "L")},`, `${areaText(v)}${slipped}`,
-    [work, others].filter(Boolean).join("; "),
+    work,
   ]
   by("solver").lastElementChild.textContent =
     `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
   texts.forEach((text, i) => { by("readout").children[i].textContent = text })
-}
-
-// With what a frame was computed that a run goes on from, where that is no longer so; beside the sliders as well
-function under(run, k) {
-  const { scene } = run.headOf(k), other = Object.keys(scene).filter((name) => scene[name] !== run.head.scene[name])
-  for (const note of document.querySelectorAll(".here")) {
-    const { name } = note.dataset, value = named(name, scene[name]).split(" = ")[1]
-    tell(note, other.includes(name) ? `here ${value}` : "")
-  }
-  return other.length ? `computed with ${other.map((name) => named(name, scene[name])).join(", ")}` : ""
 }

@@ -3,7 +3,7 @@
 import { acts, Frames } from "./frames.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
-// Curves in units: of which column, and what its unit is; runs that go on with another stiffness have several
+// Curves in units: of which column, and what its unit is
 export const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
   L_slip: ["slip_L", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle],
@@ -31,8 +31,6 @@ export class Run extends Frames {
     this.whole = false
     this.filmed = false // whether its last frames are a motion through a slip
     this.sheared = -1 // the frame at which shear begins, once it is there
-    this.carried = 0 // frames of another run that this one goes on from
-    this.worked = 0 // nJ/m, work of the stage in the runs before, from which this one goes on
     Object.assign(this, SPAN)
   }
 
@@ -63,8 +61,7 @@ export class Run extends Frames {
 
   // Take frame k into what is known of all of them
   measure(k) {
-    const { work, stage } = this.curves, { head, of } = this.sent(k), { first, spacing, middle, scales } = head
-    work[k] += this.worked
+    const { stage } = this.curves, { head, of } = this.sent(k), { first, spacing, middle, scales } = head
     this.lowest = Math.min(this.lowest, least(of("gap")) * scales.gap)
     if (this.sheared < 0 && stage[k] > 0) Object.assign(this, { sheared: k, strongest: 0 })
     this.weigh(k)
@@ -87,21 +84,15 @@ export class Run extends Frames {
     this.strongest = Math.max(this.strongest, most)
   }
 
-  // Names of the parameters that are not the same for all frames after the approach
-  get changing() {
-    const scenes = [...new Set(this.places.slice(Math.max(0, this.sheared)).map(([{ head }]) => head.scene))]
-    return Object.keys(this.head.scene).filter((name) => scenes.some((scene) => scene[name] !== scenes[0][name]))
-  }
-
   values(k) { return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]])) }
 
   // Whether the drive has a stiffness; that of a rigid one is the word inf
   get driven() { return ["drive_t", "drive_n"].some((name) => Number(this.head.scene[name])) }
 
   // U_x of the top of the layer at frame k, or another coordinate of it, nm: that of the stage less the stretch of the
-  // drive, with the parameters of frame k
+  // drive
   top(k, along = "U_x") {
-    const { scene, middle } = this.headOf(k), [force, drive] = DRIVES[along]
+    const { scene, middle } = this.head, [force, drive] = DRIVES[along]
     const stretch = (1e3 * this.curves[force][k]) / (2 * middle * Number(scene[drive])) // NaN where it is rigid
     return this.curves[along][k] - (stretch || 0)
   }
@@ -158,15 +149,11 @@ export class Run extends Frames {
 
   leg(k) { return this.head.stages[this.curves.stage[k]] }
 
-  // The frames of another run up to k, as the beginning of this one that goes on from there
+  // Begin with the frames of another run up to k, as a film through a slip does
   takeOver(other, k) {
     this.places = other.places.slice(0, k + 1)
     for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
     for (const name of ["sheared", ...SPANS]) this[name] = other[name]
-    this.carried = k + 1
-    this.strongest = 0
-    for (let i = Math.max(0, this.sheared); i <= k; i++) this.weigh(i)
-    this.worked = this.curves.work.at(-1)
   }
 
   // Work of the stage over the closed cycle of a loop, nJ/m, once it is closed
@@ -191,9 +178,9 @@ export class Run extends Frames {
 
   // [place along the path, value] at every slip (of one stage) of a part, times `factor`
   slips(name, factor = 1, stage = null, approach = false) {
-    const { slip, slip_at, U_x, stage: stages } = this.curves, { from, to } = this.part(approach)
+    const { slip, slip_at, stage: stages } = this.curves, { from, to } = this.part(approach)
     const frames = this.frames((k) => slip[k] && k >= from && k < to && (stage === null || stages[k] === stage))
-    return [frames.map((k) => (this.stage(k) === "press" ? U_x[k] : slip_at[k])),
+    return [frames.map((k) => slip_at[k]),
       frames.map((k) => this.curves[name][Math.max(k - 1, from)] * factor)]
   }
 
@@ -249,7 +236,7 @@ export class Run extends Frames {
     const lines = { U_x: [], x: [] }, along = this.curves[abscissa]
     if (stage === null) return lines
     for (const other of new Set(this.curves.stage.slice(from, to))) {
-      if (other === stage || this.head.stages[other] === "press") continue
+      if (other === stage) continue
       const frames = this.frames((k) => k >= from && k < to && this.curves.stage[k] === other)
       for (const edge of this.edgesOver(frames)) {
         lines.U_x.push(...frames.map((k) => along[k]), NaN)
@@ -263,8 +250,7 @@ export class Run extends Frames {
   stageOfMap(shown) {
     if (this.approaching(shown)) return 0
     if (this.head.abscissa === "path") return null
-    const now = this.curves.stage[Math.max(shown, this.sheared)]
-    return this.head.stages[now] === "press" ? this.head.stages.indexOf("shear") : now
+    return this.curves.stage[Math.max(shown, this.sheared)]
   }
 
   // What the curves extend over: what was planned, and farther where a punch that still adheres is retracted on

@@ -58,7 +58,7 @@ export function nowSentence(run, k, playing = false) {
         ["apart", k])
     return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
   }
-  const slip = run.slipBefore(k, AFTER), normal = ["approach", "press", "reload", "unload"].includes(stage)
+  const slip = run.slipBefore(k, AFTER), normal = ["approach", "reload", "unload"].includes(stage)
   const jumps = normal || slip <= Math.max(0, run.sheared) // there a held load takes over
   if (slip !== null && run.stage(slip) === stage) return jumps ? jumped(run, slip, k) : slid(run, slip, playing)
   return normal ? pressed(run, k, stage) : pulled(run, k)
@@ -219,7 +219,6 @@ export function changeSentence(run, before) {
   const [name] = names, up = real(run.scene[name]) > real(before.scene[name])
   const head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
   if (run.normal) return lifted(run, before, head)
-  if (run.carried) return goesOn(run, head)
   if (run.apart !== before.apart)
     return tell("change apart", `${head}: ${run.apart ? APART : TOGETHER}.`, ["apart is", run.apart])
   if (run.apart) return null
@@ -244,16 +243,6 @@ export function changeSentence(run, before) {
 const compared = (head, verb, now, then, ...claims) =>
   (now === then ? tell("change none", `${head}: hardly a difference.`, ...claims)
   : tell("change", `${head}: ${verb} ${now} instead of ${then}.`, ...claims))
-
-// Of a run that goes on under another parameter: its last slip, against the last before
-function goesOn(run, head) {
-  const slips = sliding(run)
-  const last = (test) => eventOf(run, run.curves.slip.findLastIndex((slipped, i) => slips(slipped, i) && test(i)))
-  const now = last((i) => i > run.carried), then = last((i) => i < run.carried)
-  if (!now || !then) return null
-  return compared(head, "it now slips at", withUnit("F", now.F), withUnit("F", then.F), ["F at slip", now.at, now.F],
-    ["F at slip", then.at, then.F], ["slip", now.at], ["slip", then.at])
-}
 
 // Of two runs that slide without slips
 function swings(now, then, head) {

@@ -60,13 +60,12 @@ const number = (value) => `${Number(value.toPrecision(7))}` // of single precisi
 
 // Comments with the scene and the units, then a row per increment after the approach, as `solver.files.write_csv`
 export function csv(run) {
-  const { changing } = run, tops = run.driven ? Object.entries(TOP) : []
+  const tops = run.driven ? Object.entries(TOP) : []
   const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
     : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))),
-      ...tops.map(([, along]) => number(run.top(k, along))), run.leg(k),
-      ...changing.map((name) => run.headOf(k).scene[name])].join(",")]))
-  const comments = [parameters(me.status, changing), UNITS].map((text) => `# ${text}`)
-  const heading = [...COLUMNS, ...tops.map(([name]) => name), "stage", ...changing]
+      ...tops.map(([, along]) => number(run.top(k, along))), run.leg(k)].join(",")]))
+  const comments = [parameters(), UNITS].map((text) => `# ${text}`)
+  const heading = [...COLUMNS, ...tops.map(([name]) => name), "stage"]
   return [...comments, heading.join(","), ...rows, ""].join("\n")
 }
 
@@ -120,13 +119,10 @@ export function open() {
   by("share-link").value = link
   by("share-frame").value = frameOf(link)
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
-  const { address, after } = me.status
+  const { address } = me.status
   const sentences = []
   if (address.profile)
     sentences.push("The link shows the measured profile only while this server keeps it; the JSON has it.")
-  if (after)
-    sentences.push("This run goes on from another. The link starts its scene from the beginning; "
-      + "Python and the data have the whole path.")
   if (me.lost) sentences.push("The server does not answer: it is needed for Python, NPZ and JSON.")
   for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
   by("share-python").value = "" // of the run before, until the server answers

@@ -13,7 +13,7 @@ export const connectSlips = () => view(["run", "status"], () => { if (me.run) co
 
 // Take in the first slip of a run, unless its scene has a point
 export function collect(run) {
-  if (run === read || !run.whole || !exact(run) || run.carried) return
+  if (run === read || !run.whole || !exact(run)) return
   read = run
   const slip = firstOfPath(run), { scene, abscissa } = run.head
   if (!slip) return

@@ -106,13 +106,9 @@ function namePreset() {
 
 // What to look for, where the scene is still that of the preset
 function presetText() {
-  const { preset, address, after } = me.status
+  const { preset, address } = me.status
   const changed = changes()
   const listed = changed.map((name) => `${inWords(name)} = ${minus(address[name])}`).join(", ")
-  if (after && me.origin?.number === after[0]) {
-    const where = `increment ${after[1]} (Uₓ = ${me.origin.curves.U_x[after[1]].toFixed(1)} nm)`
-    return `carried on from ${where} with ${listed || "the preset's values"}; the address holds the parameters only`
-  }
   return changed.length ? `changed: ${listed}` : declared.looks[preset]
 }
 

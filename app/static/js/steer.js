@@ -4,13 +4,12 @@
 import { order } from "./channel.js"
 import { by } from "./dom.js"
 import { place, tellDepth } from "./sliders.js"
-import { declared, exact, leaveBehind, me, now, redraw } from "./store.js"
+import { declared, leaveBehind, me, now, redraw } from "./store.js"
 
 const BURST = 900 // ms between two moves of one slider that are one drag
 
 let ended = 0 // ms, when what was moved last was let go; 0: it is held
 let resting = 0
-let from = null // [number of a run, its frame] that a change carries on from
 
 // Changes parameters {name: text}, one or those of a place of a map
 export function enter(values) {
@@ -18,19 +17,10 @@ export function enter(values) {
   if (name !== me.move.name || (ended && performance.now() - ended > BURST)) {
     me.move = { name }
     leaveBehind()
-    goOnFrom()
   }
   ended = me.dragging ? 0 : -BURST
   me.entered = { ...me.entered, ...values }
   sendNext()
-}
-
-// With "carry on" a change takes effect at the increment shown, and the run goes on from there
-function goOnFrom() {
-  from = null
-  if (!by("carry").checked || !exact(me.run) || !sheared()) return
-  me.origin = me.run
-  from = [me.run.number, now()]
 }
 
 // Whether the top has been pulled at the increment on screen
@@ -41,7 +31,7 @@ const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
 export function sendNext(held = me.dragging) {
   if (!me.entered || (me.dragging && me.waiting.length)) return
   const at = sheared() ? me.run.curves.U_x[now()] : 0
-  order("scene", { values: me.entered, after: from, ...(held && { held, at }) })
+  order("scene", { values: me.entered, ...(held && { held, at }) })
   me.entered = null
 }
 

@@ -10,7 +10,6 @@ export const declared = {} // what Python declares, as main.js receives it
 const fields = {
   // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
   run: null, ghost: null, behind: null, anchor: null,
-  origin: null, // the run that a change carries on from
   pins: [], // see later/pins.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last

@@ -90,7 +90,7 @@ function drawForces(view) {
   const full = Math.max(run.strongest, me.run.strongest)
   const { F, L, U_x, delta } = run.values(k), none = (force) => !(Math.abs(force) > 1e-6 * full), row = 1.3 * size()
   const long = Math.min(ARROW, 0.3 * box.height, 0.16 * box.width), y = box.top + BAR + 0.9 * row
-  const spring = Number(run.headOf(k).scene.drive_t) // NaN where the drive is rigid
+  const spring = Number(run.scene.drive_t) // NaN where the drive is rigid
   const edge = box.left + box.width - 12, right = spring ? drawDrive(view, edge, y) - 10 : edge
   const to = `to δ = ${fixed(delta, 1)} nm`, down = `lowered ${to}`, stage = run.driven ? "stage " : ""
   const moves = { approach: down, reload: down, unload: `raised ${to}`,

@@ -37,11 +37,10 @@ export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() ||
 const MAIN = ["delta_bar", "phi_ratio", "E"]
 
 // Parameters of the scene on screen: the preset, those with a slider, and what differs from the preset
-export function parameters({ values, address, preset } = me.status, changing = []) {
-  const others = [...new Set([...Object.keys(address), ...changing])].filter((name) =>
-    !["preset", "profile", ...MAIN].includes(name))
+export function parameters({ values, address, preset } = me.status) {
+  const others = Object.keys(address).filter((name) => !["preset", "profile", ...MAIN].includes(name))
   const title = document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
-  const changed = others.length || changing.length || MAIN.some((name) => name in address)
+  const changed = others.length || MAIN.some((name) => name in address)
   const text = [...MAIN, ...others].map((name) => named(name, values[name])).join(", ")
   return `${title}${changed ? ", changed" : ""}: ${text}`
 }
@@ -55,6 +54,6 @@ export function summary(run, k, sentence) {
 export function described(run, k) {
   if (!me.status.values || !run?.length || k < 0) return ""
   const at = run.values(k)
-  const scene = parameters({ ...me.status, values: run.headOf(k).scene }, run.changing)
+  const scene = parameters({ ...me.status, values: run.scene })
   return `${scene}; ${run.leg(k)} increment ${at.index}, ${named("U_x", at.U_x)}, ${named("delta", at.delta)}`
 }

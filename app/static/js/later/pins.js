@@ -12,22 +12,20 @@ import { me, view } from "../store.js"
 const MOST = 4
 const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
 
-// A pin: {run, scene, name, slot, shown, carried, failure}; scene {name: text} as in an address, slot 1 .. MOST. Only
-// the run itself was carried on from another: loaded, or in a link, its scene begins anew
-export const titleOf = ({ name, carried }) => `${name}${carried ? ", carried on" : ""}`
+// A pin: {run, scene, name, slot, shown, failure}; scene {name: text} as in an address, slot 1 .. MOST
 
 export function pinRun() {
   const { run, status, pins } = me
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((pin) => pin.run === run)) return say("this run is pinned already")
-  const made = add(run, { ...status.address }, titled(status.address, status.preset), Boolean(status.after))
-  by("announcement").textContent = `pinned: ${titleOf(made)}`
+  const made = add(run, { ...status.address }, titled(status.address, status.preset))
+  by("announcement").textContent = `pinned: ${made.name}`
 }
 
-function add(run, scene, name, carried = false) {
+function add(run, scene, name) {
   const slot = [1, 2, 3, 4].find((free) => me.pins.every((pin) => pin.slot !== free))
-  const made = { run, scene, name, slot, shown: true, carried }
+  const made = { run, scene, name, slot, shown: true }
   me.pins = [...me.pins, made]
   return made
 }
@@ -58,8 +56,8 @@ export function swatch(slot) {
 
 function chip(pin) {
   const { slot, shown } = pin
-  const show = button("", `Show ${titleOf(pin)}`, () => change(slot, { shown: !shown }), { "aria-pressed": shown })
-  show.append(swatch(slot), ` ${titleOf(pin)}${pin.failure ? ": failed" : pin.run ? "" : " …"}`)
+  const show = button("", `Show ${pin.name}`, () => change(slot, { shown: !shown }), { "aria-pressed": shown })
+  show.append(swatch(slot), ` ${pin.name}${pin.failure ? ": failed" : pin.run ? "" : " …"}`)
   return make("span", { className: "chip", data: { slot } }, show,
     button("×", `Remove ${pin.name}`, () => remove(slot)))
 }
