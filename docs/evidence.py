@@ -28,6 +28,12 @@ class Entry(NamedTuple):
 
 BENCH = "tests/bench/"
 COMMANDS = {
+    "curves": Entry(
+        "Accuracy",
+        "Error against run time",
+        "The default scene by four methods: error of F, L and A before the first slip, and branches after slips.",
+        (BENCH + "curves.py", "--picture", "docs/accuracy.png"),
+    ),
     "landings": Entry(
         "Accuracy",
         "Where first slips land",

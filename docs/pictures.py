@@ -3,8 +3,8 @@
     python docs/pictures.py [--chromium PATH] [--quick]
 
 Draws the small pictures of the row of experiments (row.py) and run.png, the plot of README's example. Then starts the
-app on a free port; writes app.webp and slip.webp, the punch through two slips, beside this file. Without
---quick it measures the default scene for a minute, and writes the first diagrams of that report: accuracy.png.
+app on a free port; writes app.webp and slip.webp, the punch through two slips, beside this file. Without --quick it
+measures the default scene for minutes and draws accuracy.png (tests/bench/curves.py).
 """
 
 import argparse
@@ -13,7 +13,6 @@ import shutil
 import socket
 import subprocess
 import sys
-import tempfile
 from io import BytesIO
 from pathlib import Path
 
@@ -81,24 +80,10 @@ def _save(what, name):
     Image.open(BytesIO(what.screenshot())).convert("RGB").save(HERE / name, **SMALL)
 
 
-def measure(browser):
-    """Write accuracy.png: the two diagrams of the sweep over the tolerance."""
-    with tempfile.TemporaryDirectory() as folder:
-        report = Path(folder) / "accuracy.html"
-        subprocess.run([sys.executable, "-m", "solver", "accuracy", "--html", report], cwd=HERE.parent, check=True)
-        picture(browser, report)
-
-
-def picture(browser, report):
-    """Write accuracy.png from the page of a report."""
-    page = browser.new_page(viewport={"width": 1180, "height": 900}, color_scheme="light")
-    page.goto(report.as_uri())
-    page.wait_for_function("Bokeh.documents.length == 1 && Bokeh.documents[0].is_idle")
-    both = [page.locator(".bk-Figure").nth(k).bounding_box() for k in range(2)]
-    left, top = both[0]["x"], both[0]["y"]
-    clip = {"x": left, "y": top, "width": both[1]["x"] + both[1]["width"] - left, "height": both[0]["height"]}
-    image = Image.open(BytesIO(page.screenshot(clip=clip))).convert("RGB")
-    image.quantize(64).save(HERE / "accuracy.png", optimize=True)  # a third of the bytes
+def measure():
+    """Write accuracy.png: error against run time by four methods."""
+    bench = HERE.parent / "tests" / "bench" / "curves.py"
+    subprocess.run([sys.executable, bench, "--picture", HERE / "accuracy.png"], cwd=HERE.parent, check=True)
 
 
 def main():
@@ -113,12 +98,12 @@ def main():
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=arguments.chromium, args=["--no-sandbox"])
             take(browser, address)
-            if not arguments.quick:
-                measure(browser)
             browser.close()
     finally:
         server.terminate()
         server.wait(30)
+    if not arguments.quick:
+        measure()
 
 
 if __name__ == "__main__":

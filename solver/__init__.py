@@ -22,7 +22,7 @@ following/                      a sliding run continued to other parameters
 plots, results                  a run as tables and plots, first slips of many scenes
 cautions                        sentences on choices that affect a result
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
-validation/                     accuracy over run time
+accuracy/                       error against run time of one scene
 cli                             the command line, with command, mapping, derivatives, reports, verify, files
 """
 

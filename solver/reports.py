@@ -10,7 +10,7 @@ from .scene import Scene, SceneError
 
 def add_accuracy(commands: Any) -> None:
     """Adds `accuracy` to the subcommands."""
-    text = "Measures the error of one experiment against run time, by every method, over tolerance and increment du_x."
+    text = "Measures error against run time of one experiment, by fast and the paper's GFMD, over tolerance and du_x."
     parser = add_command(commands, "accuracy", accuracy, "error against run time", text)
     parser.add_argument("--quick", action="store_true", help="one slip and fewer runs")
     slips = "end just beyond slip N in shear, default 2 (with --quick: 1)"
@@ -21,8 +21,8 @@ def add_accuracy(commands: Any) -> None:
 
 def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
-    from .validation.accuracy import measure  # imported here because `run` does not need them
-    from .validation.accuracy_report import data, document
+    from .accuracy.measure import measure  # imported here because `run` does not need them
+    from .accuracy.report import data, document
 
     for name, only in (("path", "shear"), ("hold", "delta")):
         if (value := getattr(scene, name)) != only:

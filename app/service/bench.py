@@ -77,7 +77,7 @@ def work(scene):
 
 def _warm_up():
     """Run every method once on a small scene: the time to load its kernels must not count."""
-    from solver.validation.methods import SERIES
+    from solver.accuracy.measure import SERIES
 
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=1.0)
     for method in SERIES.values():
@@ -87,8 +87,8 @@ def _warm_up():
 
 def reports(scene):
     """Yield the measurements of a Scene as plain data."""
-    from solver.validation.accuracy import SWEEPS, measure
-    from solver.validation.accuracy_report import choice, command, failures, sentence
+    from solver.accuracy.measure import SWEEPS, measure
+    from solver.accuracy.report import choice, command, failures, sentence
 
     sent, count, report = 0.0, 0, None
     for progress, report in measure(scene, quick=True):
@@ -105,7 +105,7 @@ def reports(scene):
 
 def points(report):
     """Return the sweep of the tolerance as plain data, without unfinished runs."""
-    from solver.validation.accuracy import LEAST
+    from solver.accuracy.measure import LEAST
 
     swept = report.of("tolerance") if report else []
     return [
@@ -115,7 +115,6 @@ def points(report):
             "seconds": max(p.seconds, LEAST["seconds"]),
             "evaluations": max(p.evaluations, LEAST["evaluations"]),
             "error": max(p.branch_error, LEAST["error"]),
-            "astray": p.branches[0] < p.branches[1],
         }
         for p in swept
         if not p.failure and p.branch_error is not None

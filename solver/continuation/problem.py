@@ -3,7 +3,7 @@
 A Problem is R(v; s) = 0 in unknowns v (size,) under a load s, in which R is linear. Its Dynamics are a motion that
 comes to rest in these equilibria. A Linearised describes small disturbances of one of them. Lengths are in nm, moduli
 in GPa, and each mode has unit mass. `mechanics.equilibrium` and tests/shared/toys.py fulfil the contract. A Stepper
-advances a state along the load: `quasistatic`, `gfmd`, `replay` and the methods of `solver.validation`.
+advances a state along the load: `quasistatic`, `gfmd`, `replay` and those of tests/shared/transients.py.
 """
 
 from collections.abc import Callable

@@ -11,6 +11,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "bench": (["--quick", "--scenes", "1"], "cost per increment grows as"),
     "box": (["--every", "120"], "box over default"),
     "constants": (["--only", "MOVED", "--scenes", "1"], "differ x2 0"),
+    "curves": (["--quick", "--set", "nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=8"], "FIRE"),
     "figures": (["--processes", "1", "--repetitions", "1"], "Fig. 5, 120 moduli"),
     "fit": (["--draws", "1", "--starts", "1", "--box", "1", "--sparse", "1", "--points", "100"], "reach the truth"),
     "follow": (["--scenes", "1"], "F, L and A all right"),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import toys
+from transients import Fire, Halving, MassWeighted
 
 from solver import Scene
 from solver.continuation.gfmd import Gfmd
@@ -15,8 +16,6 @@ from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.surface import closed_stiffness
 from solver.run.load_steps import sideways
-from solver.validation.landings import Halving
-from solver.validation.methods import Fire, MassWeighted
 
 PUNCH = Scene(nodes=128, width=312.5, radius=1.0, E=20.0, delta_bar=0.2)  # of so small a radius that a patch is less
 

@@ -14,7 +14,7 @@ import solver
 HERE = Path(solver.__file__).parent
 ROOMS = ["mechanics", "continuation", "run", "following"]
 CORE = ["schema.py", "scene.py", "surfaces.py", "text.py", "profile.py", *ROOMS]
-REPORTS = {"analysis", "validation"}
+REPORTS = {"analysis", "accuracy"}
 NUMERICS = {"numpy", "scipy", "numba", "pyfftw"}
 STANDARD = sys.stdlib_module_names
 
@@ -70,7 +70,7 @@ def lines():
 
 def test_modules_import_only_from_their_line_of_the_docstring_and_above():
     order = lines()
-    assert {"scene", "mechanics", "run", "validation"} <= order.keys()
+    assert {"scene", "mechanics", "run", "accuracy"} <= order.keys()
     for path in modules(*(f"{name}.py" if (HERE / f"{name}.py").is_file() else name for name in order)):
         own = path.relative_to(HERE).parts[0].removesuffix(".py")
         for name in imported(path):

@@ -19,8 +19,6 @@ TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
 SERIES = {  # method: marker, colour; offset (px, right and down) and alignment of the tolerance beside its point
     "fast": ("circle", "--repulsive", 9, -6, "left"),
     "gfmd": ("square", "--adhering", 9, -6, "left"),
-    "gfmd mass-weighted": ("triangle", "--shear", 7, 16, "left"),
-    "FIRE": ("diamond", "--slip", -9, -6, "right"),
 }
 WORK = {"seconds": "time of one core (s)", "evaluations": "force evaluations"}
 
@@ -39,7 +37,6 @@ def _figure(work, label):
         draw(plot, Scatter, f"mark {series}", colour, work, "error", "label", **look)
         look = {"x_offset": right, "y_offset": down, "text_align": align, "text_font_size": "12px"}
         draw(plot, Text, series, colour, work, "error", "text", **look)
-    draw(plot, Scatter, "astray", "--text", work, "error", marker="x", size=16)
     plot.xaxis.ticker = FixedTicker(ticks=[10.0**decade for decade in range(-5, 9)])
     return plot
 
@@ -132,8 +129,6 @@ class Page(Sheet):
                 self.draw(work, f"way {series}", **place)
                 self.draw(work, f"mark {series}", **place, label=[_point(point) for point in of])
                 self.draw(work, series, **place, text=[_power(point["tolerance"]) for point in of])
-            astray = [point for point in points if point["astray"]]
-            self.draw(work, "astray", **{name: [point[name] for point in astray] for name in (work, "error")})
             figure = self.views[work].figure
             for axis, name, least in ((figure.x_range, work, 2), (figure.y_range, "error", 3)):
                 low, high = _decades([point[name] for point in points], least)

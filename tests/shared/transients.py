@@ -1,21 +1,25 @@
-"""The methods that *Accuracy* compares: the two of `load_path`, and two other transients to the same equilibria.
+"""Other transients to the same equilibria, as methods of `load_path`; the bench `curves` compares them.
 
 Mass-weighted GFMD: every mode of the free layer moves equally fast (Zhou, Moseler & Mueser 2019,
 doi:10.1103/PhysRevB.99.144103). FIRE, the fast inertial relaxation engine (Bitzek et al. 2006,
 doi:10.1103/PhysRevLett.97.170201), with the same masses: modes move without friction while the power F.v is positive,
 their velocity turned towards the force; otherwise they stop. NP1 has no potential, so that power alone decides.
 Inertia is not damped: from the end of a branch FIRE may reach another equilibrium than the damped transient.
+
+`Halving` is the paper's GFMD alone, from equilibrium to equilibrium. It halves an increment with a slip until that is
+shorter than SHORT: the transient then starts at rest just beyond the end of the branch, as the remainder of a long
+increment would set it swinging.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numba import njit
 
-from ..continuation.gfmd import Gfmd
+from solver.continuation.gfmd import Gfmd
+from solver.continuation.state import Increment
 
+SHORT = 2e-3  # of the problem's unit: the increment in which a slip begins; the end of the branch is not located
 SAFETY = 0.5  # of the longest stable step: the interface may stiffen before the next look at it
 # power iterations from a random direction; later ones go on from the last. Where two radii differ by a third, six leave
 # an error of (3/4)^12 = 3 %, for which SAFETY has room
@@ -116,8 +120,19 @@ class FireMotion(Weighted):
         return 1.0 - mixing, mixing * np.sqrt(speed / force) + self.step
 
 
-Method = str | Callable[..., Any]  # as of `load_path`
-SERIES: dict[str, Method] = {"fast": "fast", "gfmd": "gfmd", "gfmd mass-weighted": MassWeighted, "FIRE": Fire}
+class Halving(Gfmd):
+    """GFMD that halves increments in which the surface slips."""
+
+    def increment(self, state, target) -> Increment:
+        """The Increment from `state` to load `target`, nm; raises NotConverged."""
+        problem = self.problem
+        done = super().increment(state, target)
+        if not done.slips or target - state.load <= SHORT * problem.unit:
+            return done
+        self.problem = problem  # it may have grown
+        first = self.increment(state, 0.5 * (state.load + target))
+        second = self.increment(first.state, target)
+        return second._replace(slips=first.slips + second.slips)
 
 
 @njit(cache=True, nogil=True)

@@ -4,7 +4,7 @@ for progress, report in measure(Scene(delta_bar=0.4), quick=True): ...
 print(sentence(report))
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
@@ -12,15 +12,14 @@ from typing import NamedTuple
 from ..run.frame import SlipEvent, largest_safe_damping
 from ..run.loadpath import load_path
 from ..scene import Scene
-from .compare import Point, compare, in_range, perform, reference
-from .landings import landings
-from .methods import SERIES
+from .compare import Method, Point, compare, in_range, perform, reference
 
 # The values swept with fast: nm; and factors of the scene's own du_x
 SWEEPS = {
     "tolerance": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
     "du_x": (0.2, 0.5, 1.0, 2.0, 5.0, 10.0),
 }
+SERIES: dict[str, Method] = {"fast": "fast", "gfmd": "gfmd"}  # name: method of `load_path`
 REPEATS = 3  # of a run of fast, which is short: the shortest time counts
 LEAST = {"seconds": 1e-4, "evaluations": 1, "error": 1e-13}  # drawn on logarithmic axes, which have no zero
 
@@ -47,8 +46,7 @@ class Report:
     reference: Scene  # that of the reference
     seconds: float  # of the reference
     known_slips: tuple[SlipEvent, ...]  # of the reference
-    judged: Point  # GFMD's landings against the reference
-    safe_damping: float = 0.0  # the largest of the reference's frames
+    safe_damping: float = 0.0  # the largest of the scene's own run
     points: tuple[Point, ...] = ()
 
     def of(self, sweep: str, series: str | None = None) -> list[Point]:
@@ -56,23 +54,22 @@ class Report:
         return [p for p in self.points if p.sweep == sweep and series in (None, p.series)]
 
 
-def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iterator[tuple[float, Report | None]]:
+def measure(
+    scene: Scene, quick: bool = False, slips: int | None = None, series: Mapping[str, Method] = SERIES
+) -> Iterator[tuple[float, Report | None]]:
     """Yield (progress 0..1, Report so far or None) after each run; raises NotConverged, SceneError.
 
     The path is shear at given delta, which every method knows, whatever path the scene has.
-    slips: runs end just beyond so many slips (default 2, quick 1), or at the scene's u_x_max.
+    slips: runs end just beyond so many slips (default 2, quick 1), or at the scene's u_x_max. series: {name: method}.
     """
     yield 0.0, None
     effort = QUICK if quick else FULL
     slips = slips or effort.slips
     scene = scene.changed(path="shear", hold="delta")
-    short = shortened(scene, slips)
-    right = landings(short, 2.0 * effort.longest)
-    best = reference(short, right.states)
-    judged = compare(Point("tolerance", "gfmd", right.scene.tolerance), right, best, best)
-    safe = largest_safe_damping(list(best.states.values()))
-    report = Report(scene, quick, slips, best.scene, best.seconds, tuple(best.slips), judged, safe)
-    planned, finished, stopped = plan(short, effort), {}, set()
+    short, safe = shortened(scene, slips)
+    best = reference(short)
+    report = Report(scene, quick, slips, best.scene, best.seconds, tuple(best.slips), safe)
+    planned, finished, stopped = plan(short, effort, series), {}, set()
     for done, point in enumerate(planned, 1):
         run, kin = (point.series, short.changed(**{point.sweep: point.value})), (point.sweep, point.series)
         if run not in finished and kin in stopped:
@@ -80,22 +77,23 @@ def measure(scene: Scene, quick: bool = False, slips: int | None = None) -> Iter
         else:
             if run not in finished:  # the scene's own values belong to every sweep
                 repeats = REPEATS if point.series == "fast" else 1
-                finished[run] = perform(run[1], SERIES[point.series], best.states, effort.longest, repeats)
-            point = compare(point, finished[run], best, right)
+                finished[run] = perform(run[1], series[point.series], effort.longest, repeats)
+            point = compare(point, finished[run], best)
             stopped |= {kin} if finished[run].stopped else set()
         report = replace(report, points=(*report.points, point))
         yield done / len(planned), report
 
 
-def shortened(scene: Scene, slips: int) -> Scene:
-    """The scene up to just beyond its first slips, on the grid of the longest increment."""
-    seen, end, longest = 0, scene.u_x_max, _values(scene, "du_x", SWEEPS["du_x"])[0] * scene.delta_t
+def shortened(scene: Scene, slips: int) -> tuple[Scene, float]:
+    """(the scene up to just beyond its first slips, on the grid of the longest increment; its safe damping)."""
+    seen, end, longest, frames = 0, scene.u_x_max, _values(scene, "du_x", SWEEPS["du_x"])[0] * scene.delta_t, []
     for frame in load_path(scene):
+        frames.append(frame)
         seen += len(frame.slips) if frame.stage == "shear" else 0
         if seen >= slips:
             end = min(end, (ceil(frame.U_x / longest - 1e-9) + 1) * longest)
             break
-    return scene.changed(u_x_max=end)
+    return scene.changed(u_x_max=end), largest_safe_damping(frames)
 
 
 def _values(scene, sweep, values):
@@ -104,11 +102,11 @@ def _values(scene, sweep, values):
     return sorted(in_range(scene, sweep, values), reverse=True)
 
 
-def plan(scene: Scene, effort: Effort) -> list[Point]:
+def plan(scene: Scene, effort: Effort, series: Mapping[str, Method] = SERIES) -> list[Point]:
     """The Points to measure, cheap ones first within each sweep and series."""
     return [
-        Point(sweep, series, value)
+        Point(sweep, name, value)
         for sweep in SWEEPS
-        for series in SERIES
-        for value in _values(scene, sweep, (SWEEPS if series == "fast" else effort.slow).get(sweep, ()))
+        for name in series
+        for value in _values(scene, sweep, (SWEEPS if name == "fast" else effort.slow).get(sweep, ()))
     ]

@@ -6,13 +6,11 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..cautions import flutter
-from ..run.frame import moving
 from ..scene import LIMITS
 from ..text import changes
-from .accuracy import FULL, LEAST, QUICK, SWEEPS, Report
-from .compare import QUANTITIES, SAME_BRANCH, Point
+from .compare import QUANTITIES, Point
 from .document import Document, Section
-from .landings import SHORT
+from .measure import FULL, LEAST, QUICK, SWEEPS, Report
 
 
 class Style(NamedTuple):
@@ -26,8 +24,6 @@ class Style(NamedTuple):
 STYLE = {
     "fast": Style("#0072B2", "circle", 5),
     "gfmd": Style("#D55E00", "square", 5),
-    "gfmd mass-weighted": Style("#009E73", "triangle", -4),
-    "FIRE": Style("#CC79A7", "diamond", 14),
 }
 WORK = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
 ERRORS: dict[str, tuple[str, Callable]] = {  # sweep: name of the error that its diagrams show, and its value
@@ -40,8 +36,8 @@ FINER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
 
 def sentence(report: Report) -> str:
-    """The effect of the tolerance in this scene, and whether every method ended on the same branches; one line."""
-    return " ".join(filter(None, (choice(report, "tolerance"), _price(report), branches(report))))
+    """The effect of the tolerance in this scene, and the work of the other method; one line."""
+    return " ".join(filter(None, (choice(report, "tolerance"), _price(report))))
 
 
 def choice(report: Report, sweep: str) -> str:
@@ -50,12 +46,11 @@ def choice(report: Report, sweep: str) -> str:
     points = {p: error for p, error in errors.items() if error is not None}
     if not points:
         return f"No {sweep} tried was finished with fast."
-    good = [p for p, error in points.items() if error <= VISIBLE and p.right]
+    good = [p for p, error in points.items() if error <= VISIBLE]
     if not good:
         best = min(points, key=lambda p: points[p])
         return (
-            f"No {sweep} tried brings F, L and A to {VISIBLE:g} on the right branches;"
-            f" the best, {best.value:g}, leaves {points[best]:.0e}."
+            f"No {sweep} tried brings F, L and A to {VISIBLE:g}; the best, {best.value:g}, leaves {points[best]:.0e}."
         )
     cheap = max(good, key=lambda p: p.value)
     slip = cheap.worst("position")
@@ -83,48 +78,6 @@ def _price(report):
     return f"Times the force evaluations of fast: {', '.join(parts)}." if parts else ""
 
 
-def branches(report: Report) -> str:
-    """The number of slips after which the branch was the reference's, and every series with another one."""
-    counts: dict[str, list[int]] = {}  # series: right, known
-    for p in report.points:
-        counts[p.series] = [a + b for a, b in zip(counts.get(p.series, (0, 0)), p.branches, strict=True)]
-    right, known = map(sum, zip(*counts.values(), strict=True)) if counts else (0, 0)
-    if known == 0:
-        return "There are no slips to compare."
-    wrong = [f"{series} after {n - own} of {n}" for series, (own, n) in counts.items() if own < n]
-    counted = f"The branch of the paper's GFMD was reached after {right} of {known} slips of all runs"
-    counted += f"; another one by {', '.join(wrong)} (see the tables)." if wrong else "."
-    if astray := _places([slip for slip in report.judged.slips if slip.same_branch is False]):
-        counted += f" The reference itself leaves it{astray}: errors beyond that slip mean nothing."
-    return counted
-
-
-def _landed(report):
-    """How branches are compared, and which slips are left out; lines of text."""
-    judged, slips = report.judged, report.judged.slips
-    near = [] if judged.branch_error is None else [f"F, L, A before the first slip to {judged.branch_error:.0e}"]
-    apart = judged.worst("position")
-    near += [] if apart is None else [f"slips in shear to {apart:.0e} nm"]
-    lines = [
-        f"Branches are compared with those of gfmd, from rest to rest at tolerance {judged.value:g} nm,"
-        f" increments halved to {SHORT:g} nm where the surface slips, {judged.seconds:.2g} s. The reference follows it"
-        f" through {judged.branches[0]} of {len(slips)} slips; both agree on {' and '.join(near) or 'nothing'}."
-    ]
-    sensitive = [event for event in report.known_slips if event.sensitive]
-    if places := _places(sensitive):
-        lines.append(f"Which equilibrium is reached{places} is sensitive: not counted.")
-    loads = {event.load for event in sensitive}
-    if unknown := _places([slip for slip in slips if slip.same_branch is None and slip.load not in loads]):
-        lines.append(f"Unknown{unknown}: {judged.failure or 'the next slip follows too soon'}.")
-    return lines
-
-
-def _places(slips):
-    """The loads of these slips, as text; "" if there are none."""
-    loads = ", ".join(f"{moving(slip.stage)} = {slip.load:.5g} nm" for slip in slips)
-    return f" after the slip at {loads}" if loads else ""
-
-
 def failures(report: Report) -> list[str]:
     """A line for every run that did not finish."""
     return [f"{p.series}, {p.sweep} {p.value:g}: {p.failure}" for p in report.points if p.failure]
@@ -139,7 +92,6 @@ def _row(p: Point):
         **{name: _short(getattr(p, name)) for name in QUANTITIES},
         "slip, nm": _short(p.worst("position")),
         "F_s": _short(p.worst("force")),
-        "same branch": "{} of {}".format(*p.branches) if p.branches[1] else "-",
     }
 
 
@@ -173,13 +125,11 @@ def notes(report: Report) -> list[str]:
         f" each is stopped after {effort.longest:g} s. Seconds are those of one core.",
         f"Reference: fast, tolerance {fine.tolerance:g} nm, du_x = {fine.du_x:g}, du_z = {fine.du_z:g}; made in"
         f" {report.seconds:.2g} s.",
-        *_landed(report),
         *flutter(report.scene, report.safe_damping),
         "F, L, A: largest error before the first slip over the largest value. slip: largest distance of a slip in shear"
-        " from its load in the reference. F_s: error of F there over the largest F.",
-        f"same branch: as gfmd's; states right after a slip, at the same load, differ by less than {SAME_BRANCH:g} of"
-        " min(delta_n, delta_t).",
-        "gfmd and its variants notice a slip at the increment it happens in, and report the load before it.",
+        " from its load in the reference, up to the first slip that is sensitive. F_s: error of F there over the"
+        " largest F.",
+        "gfmd notices a slip at the increment it happens in, and reports the load before it.",
     ]
 
 
@@ -210,7 +160,7 @@ def _drawn(report, sweep, series=None):
 
 
 def _diagram(report, sweep, work):
-    """One pair of axes: a curve with markers for each series, crosses on runs that left the right branches."""
+    """One pair of axes: a curve with markers for each series."""
     from bokeh.plotting import figure
 
     def columns(points):
@@ -240,9 +190,6 @@ def _diagram(report, sweep, work):
             shown.line("x", "y", width=2, **look)
             beside = {"text_font_size": "9pt", "x_offset": 8, "y_offset": style.below}
             shown.text("x", "y", "name", source=look["source"], color=style.colour, **beside)
-    if astray := [p for p in _drawn(report, sweep) if not p.right]:
-        cross = {"size": 16, "marker": "x", "color": "black", "line_width": 2, "legend_label": "other branch"}
-        shown.scatter("x", "y", source=columns(astray), **cross)
     shown.legend.update(orientation="horizontal", border_line_alpha=0.0, label_text_font_size="8pt")
     shown.add_layout(shown.legend[0], "above")
     return shown
@@ -260,13 +207,8 @@ def data(report: Report) -> dict[str, Any]:
         "quick": report.quick,
         "U_x_end": report.reference.u_x_max,
         "slips_wanted": report.slips,
-        "reference": fine | {"seconds": report.seconds, "slips": slips, "judged": _plain(report.judged)},
-        "same_branch_within": SAME_BRANCH,
-        "points": [_plain(p) for p in report.points],
+        "reference": fine | {"seconds": report.seconds, "slips": slips},
+        "points": [asdict(p) for p in report.points],
         "sentence": sentence(report),
         "sentences": {sweep: choice(report, sweep) for sweep in SWEEPS if report.of(sweep)},
     }
-
-
-def _plain(p):
-    return asdict(p) | dict(zip(("branches_right", "branches_told"), p.branches, strict=True))

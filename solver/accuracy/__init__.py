@@ -1,0 +1,7 @@
+"""Error against run time of the solver. No run needs this package.
+
+compare        the work of a run, and its distance from a reference
+measure        runs of one scene over the tolerance and the increment, by `fast` and by the paper's GFMD
+report         their meaning in words, tables, diagrams and plain data
+document       a report as text and as a page
+"""
