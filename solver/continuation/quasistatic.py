@@ -80,4 +80,4 @@ class QuasiStatic:
         mode = self.judge.accept(self.problem, state.v, state.active)
         if mode.rests:
             return state._replace(unsure=False, mode=mode)
-        return End(state.load, state.v, state.active, mode.x / np.abs(mode.x).max(), "control")
+        return End(state.load, state.v, state.active, mode.x / np.abs(mode.x).max(), "control", growth=mode.growth)

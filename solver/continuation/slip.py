@@ -211,7 +211,9 @@ class Transient:
             return self.steps > self.options.least_creep
         slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
         period = 4.0 * np.pi / (self.dynamics.critical * slow)
-        return self.steps > self.options.least and self.elapsed > self.options.patience * period
+        # from an unstable state the surface falls as exp(growth t)
+        patience = self.options.patience * (period + 1.0 / self.end.growth)
+        return self.steps > self.options.least and self.elapsed > patience
 
     def check(self) -> None:
         """Raises Restless or NotConverged where it is time to give up."""

@@ -94,6 +94,7 @@ class End(NamedTuple):
     sensitive: bool = False
     psi: np.ndarray | None = None  # (size,) of a fold, the left null vector, <R_s, psi> = 1; None: not known
     residual: float = np.inf  # nm, of v
+    growth: float = np.inf  # 1/time, of an unstable state that the surface leaves ("control"); of other ends inf
 
     def moved(self, distance, direction) -> "End":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""

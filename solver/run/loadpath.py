@@ -228,7 +228,8 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
         return failure
     remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
     if isinstance(failure, Restless):
-        overdamped = "damping=inf, " * (any(scene.drive_compliance) and scene.damping != inf)
+        soft = any(scene.drive_compliance) or step.held
+        overdamped = "damping=inf, " * (soft and scene.damping != inf)
         weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
         remedy = f"try {overdamped}another indentation or a larger E{weaker}"
     if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation

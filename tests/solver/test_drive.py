@@ -211,13 +211,18 @@ def test_plot_draws_forces_over_the_top_on_request():
         simulate(PUNCH.changed(path="points", points="0,-1; 0,-0.9")).plot(over_top=True)
 
 
-def test_message_of_a_transient_without_rest_suggests_no_inertia_for_a_soft_drive():
-    driven = Scene(drive_n=5.0, damping=4.0)
-    step = load_steps_of(driven)[0]
-    message = str(with_remedy(Restless("it flutters"), driven, step, 0.0))
+@pytest.mark.parametrize("soft", [{"drive_n": 5.0}, {"hold": "load"}])
+def test_message_of_a_transient_without_rest_suggests_no_inertia_for_a_soft_drive_or_a_held_load(soft):
+    driven = Scene(damping=4.0, **soft)
+    message = _message(driven)
     assert "try damping=inf, another indentation" in message
     for scene in (Scene(damping=4.0), driven.changed(damping=inf)):
-        assert "damping=inf" not in str(with_remedy(Restless("it flutters"), scene, step, 0.0))
+        assert "damping=inf" not in _message(scene)
+
+
+def _message(scene):
+    """That of a transient without rest in the last stage."""
+    return str(with_remedy(Restless("it flutters"), scene, load_steps_of(scene)[-1], 0.0))
 
 
 def test_a_wave_that_grows_under_a_soft_drive_is_found_before_a_frame_is_unstable():

@@ -284,6 +284,20 @@ def test_a_jump_where_a_held_load_takes_over_is_an_event(values):
     assert (event.F_bar, event.L_bar, event.A_bar) == pytest.approx((before.F_bar, before.L_bar, before.A_bar))
 
 
+@pytest.mark.parametrize(
+    "values", [{"E": 150.0, "delta_bar": -0.3}, {"delta_bar": -0.9}], ids=["hardly unstable", "far away"]
+)
+def test_a_surface_in_tension_falls_into_contact_at_every_damping(values):
+    """A search for growing modes ended before it knew one, or the fall, of 1/growth, outlasted the motion's patience.
+
+    Both motions come to rest in one equilibrium, to 1e-6 nm.
+    """
+    scene = Scene(hold="load", u_x_max=0.0, **values)
+    (before, critical), (_, overdamped) = (list(load_path(scene.changed(damping=d)))[-2:] for d in (1.0, np.inf))
+    assert before.A_bar == 0.0 and critical.A_bar > 0.04
+    assert overdamped.delta == pytest.approx(critical.delta, abs=1e-6)
+
+
 def test_flat_on_flat_at_held_load_keeps_the_gap_that_carries_it():
     """All nodes alike: T_z(u_x, gap) = p_0 gives the gap for every u_x, and U_z follows without deflection's change."""
     scene = SMALL.changed(surface="flat", phi_ratio=0.1, hold="load", delta_bar=0.05, u_x_max=30.0)
