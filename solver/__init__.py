@@ -23,7 +23,8 @@ plots, results                  a run as tables and plots, first slips of many s
 cautions                        sentences on choices that affect a result
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
 accuracy/                       error against run time of one scene
-cli                             the command line, with command, mapping, derivatives, reports, verify, files
+files                           the files of a run: CSV, NPZ, JSON
+cli/                            the command line
 """
 
 from importlib import import_module

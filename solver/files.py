@@ -15,7 +15,7 @@ import numpy as np
 
 from . import __version__
 from .run.frame import Frame
-from .run.summary import fields_of
+from .run.summary import account, fields_of, summarize
 from .scene import Scene
 
 SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
@@ -73,6 +73,15 @@ def write_json(file: str | PathLike, report: dict[str, Any]) -> None:
     with open(file, "w", encoding="utf-8") as out:
         json.dump(plain(origin() | report), out, indent=2, allow_nan=False)
         out.write("\n")
+
+
+def report_of(
+    scene: Scene, frames: Sequence[Frame], method: str, seconds: float, failure: str | None
+) -> dict[str, Any]:
+    """What --json writes beside the version: scene, method and summary."""
+    report = {"method": method, "scene": asdict(scene)}
+    left_out = account(frames) if method == "fast" else {}
+    return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
 
 
 @cache

@@ -22,8 +22,7 @@ from solver.analysis.maps import points_of
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
 from solver.analysis.outputs import over_own
 from solver.analysis.sensitivities import sensitivities
-from solver.cli import report_of
-from solver.files import write_json, write_npz
+from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.run.film import through

@@ -18,7 +18,7 @@ from solver import NotConverged, Scene, load_path
 from solver.analysis.maps import Axis, Map, Tile, worked_off
 from solver.analysis.maps.point import touches
 from solver.analysis.maps.run import computed
-from solver.command import scene_of
+from solver.cli.options import scene_of
 from solver.isolated import Lost, outcomes
 
 WANTED = 1e-3  # nm, of U_s

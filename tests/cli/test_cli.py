@@ -7,8 +7,10 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,12 +20,12 @@ import pytest
 from numba.core.event import install_listener
 
 import solver.cli as cli
-from app import console
 from solver import LIMITS, NotConverged, Profile, Scene, SceneError, __version__, load_path, read_profile
-from solver.__main__ import CLOSED_PIPE, CompilingNotice
-from solver.command import scene_of
+from solver.cli import run
+from solver.cli.main import CLOSED_PIPE, CompilingNotice
+from solver.cli.options import scene_of
 from solver.continuation.gfmd import Gfmd, GfmdOptions
-from solver.files import SCHEMA
+from solver.files import SCHEMA, write_npz
 from solver.run.loadpath import METHODS
 from solver.scene import CHOICES, PARAMETERS
 
@@ -171,7 +173,7 @@ def test_npz_pads_where_the_patch_grew(tmp_path):
         }
         return SimpleNamespace(scene=Scene(), first=first, u=np.full((2, m), 1.0), T=np.full((2, m), 2.0), **curves)
 
-    cli.write_npz(tmp_path / "grown", Scene(), [frame(10, 3), frame(8, 6)])
+    write_npz(tmp_path / "grown", Scene(), [frame(10, 3), frame(8, 6)])
     with np.load(tmp_path / "grown") as data:
         assert np.allclose(data["x"], Scene().spacing * np.arange(8, 14))
         assert np.isnan(data["u"][0, :, [0, 1, 5]]).all()
@@ -277,7 +279,7 @@ def test_bad_arguments_give_one_line_and_exit_code_two(call, arguments):
 
 @pytest.mark.parametrize("option", ["--csv", "--npz", "--json"])
 def test_a_file_that_cannot_be_written_is_refused_before_the_run(call, tmp_path, monkeypatch, option):
-    monkeypatch.setattr(cli, "load_path", lambda *_, **__: pytest.fail("ran"))
+    monkeypatch.setattr(run, "load_path", lambda *_, **__: pytest.fail("ran"))
     for file in (tmp_path / "missing" / "file", tmp_path):
         code, _, err = call("run", option, file)
         assert (code, err.count("\n")) == (2, 1)
@@ -338,11 +340,11 @@ def cut_short(monkeypatch):
     def cut(error, count):
         def failing(scene, method):
             for k, frame in enumerate(load_path(scene, method=method)):
-                if k == count and scene not in cli.WARM_UP:
+                if k == count and scene not in run.WARM_UP:
                     raise error
                 yield frame
 
-        monkeypatch.setattr(cli, "load_path", failing)
+        monkeypatch.setattr(run, "load_path", failing)
 
     return cut
 
@@ -394,7 +396,7 @@ def test_a_residual_above_tolerance_is_never_reported_as_converged(call, tmp_pat
                 frame = replace(frame, residual=2e-5)
             yield frame
 
-    monkeypatch.setattr(cli, "load_path", sloppy)
+    monkeypatch.setattr(run, "load_path", sloppy)
     code, out, _ = call("run", "--set", *SMALL, "--json", tmp_path / "j")
     assert code == 1 and "NOT converged" in out
     assert strict(tmp_path / "j")["converged"] is False
@@ -485,13 +487,26 @@ def test_compiling_is_reported_once_and_only_where_something_is_compiled(capsys)
     assert capsys.readouterr() == ("", "")
 
 
-def test_the_console_script_has_all_commands_and_serve(capsys, monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["mixed-mode-contact", "--help"])
-    with pytest.raises(SystemExit) as ended:
-        console.main()
-    shown = capsys.readouterr().out
-    assert ended.value.code == 0 and shown.startswith("usage: mixed-mode-contact ")
-    assert len(SUBCOMMANDS) > 5 and all(f"    {name}" in shown for name in [*SUBCOMMANDS, "serve"])
+@pytest.mark.parametrize("called", ["python -m solver", "mixed-mode-contact"])
+def test_help_and_errors_use_the_name_by_which_the_command_was_called(call, monkeypatch, called):
+    monkeypatch.setattr(
+        sys, "argv", ["bin/mixed-mode-contact" if called == "mixed-mode-contact" else "solver/__main__.py"]
+    )
+    _, out, _ = call("--help")
+    assert out.startswith(f"usage: {called} ")
+    assert len(SUBCOMMANDS) > 5 and all(f"    {name}" in out for name in SUBCOMMANDS)
+    code, _, err = call("walk")
+    assert code == 2 and err.startswith(f"{called}: ") and f"see {called} --help" in err
+    _, out, _ = call("run", "--help")
+    assert f"`{called} parameters` and `{called} presets`" in " ".join(out.split())
+
+
+def test_the_console_script_is_the_command_line(monkeypatch, capsys):
+    name, place = next(iter(tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"].items()))
+    module, function = place.split(":")
+    monkeypatch.setattr(sys, "argv", [name, "presets"])
+    assert getattr(import_module(module), function)() == 0
+    assert "fig6" in capsys.readouterr().out
 
 
 def test_ci_runs_exactly_the_test_command_of_the_readme():

@@ -6,7 +6,7 @@ import pytest
 from helpers import blas_threads
 from threadpoolctl import threadpool_limits
 
-from solver import NotConverged, Scene, advance, cli, load_path, summarize
+from solver import NotConverged, Scene, advance, cli, files, load_path, summarize
 from solver.continuation.quasistatic import QuasiStatic
 from solver.isolated import ONE_THREAD, Caller
 from solver.threads import one_thread
@@ -51,7 +51,7 @@ def test_blas_threads_are_restored_after_a_failure(two):
 
 def test_a_command_has_one_blas_thread(two, monkeypatch, tmp_path):
     seen = []
-    monkeypatch.setattr(cli, "summarize", lambda *given: seen.append(blas_threads()) or summarize(*given))
+    monkeypatch.setattr(files, "summarize", lambda *given: seen.append(blas_threads()) or summarize(*given))
     assert cli.main(["run", "--set", "surface=flat", "u_x_max=0", "du_z=1", "--csv", str(tmp_path / "csv")]) == 0
     assert seen == [{1}] and blas_threads() == {2}
 

@@ -8,7 +8,7 @@ import pytest
 
 import solver.cli as cli
 from solver import Profile, Scene, load_path
-from solver.files import write_json
+from solver.files import report_of, write_json
 
 SMALL = ("--set", "nodes=64", "width=160", "radius=0.6", "delta_bar=0.1", "E=40", "u_x_max=8")
 
@@ -53,7 +53,7 @@ def test_verify_reads_the_measured_surface_of_a_file(tmp_path):
     profile = Profile(160.0, 5.0 * np.exp(-(((x - 80.0) / 30.0) ** 2)))
     scene = Scene(surface="measured", measured=profile, nodes=64, width=160.0, u_x_max=2.0)
     frames = list(load_path(scene))
-    write_json(tmp_path / "run.json", cli.report_of(scene, frames, "fast", 0.0, None))
+    write_json(tmp_path / "run.json", report_of(scene, frames, "fast", 0.0, None))
     assert cli.main(["verify", str(tmp_path / "run.json")]) == 0
 
 

@@ -9,7 +9,7 @@ from plain_gfmd import Plain
 
 from solver import Axis, Map, Scene, SceneError, load_path, simulate, summarize, sweep
 from solver.analysis.energy_balance import work_of
-from solver.command import scene_of
+from solver.cli.options import scene_of
 from solver.run.load_steps import load_steps_of, position
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, delta_bar=0.2, du_z=0.2, du_x=0.2, u_x_max=8.0)

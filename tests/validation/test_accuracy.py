@@ -19,7 +19,7 @@ from solver.accuracy import measure as measurement
 from solver.accuracy.compare import Point, compare, perform, reference, refined
 from solver.accuracy.measure import SERIES, SWEEPS, measure
 from solver.accuracy.report import choice, command, data, document, sentence
-from solver.command import scene_of
+from solver.cli.options import scene_of
 from solver.files import plain
 
 METHODS = SERIES | {"gfmd mass-weighted": MassWeighted, "FIRE": Fire}

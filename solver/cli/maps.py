@@ -5,11 +5,14 @@ import sys
 from typing import Any
 from zlib import crc32
 
-from . import __version__, plots
-from .analysis import regimes
-from .analysis.maps import REGIMES, Axis, Map, Point, explored
-from .analysis.maps.point import QUANTITIES
-from .command import (
+from .. import __version__, plots
+from ..analysis import regimes
+from ..analysis.maps import REGIMES, Axis, Map, Point, explored
+from ..analysis.maps.point import QUANTITIES
+from ..files import write_rows
+from ..isolated import Lost, outcomes
+from ..scene import Scene
+from .options import (
     INTERRUPTED,
     NOT_CONVERGED,
     InputError,
@@ -21,9 +24,6 @@ from .command import (
     within,
     write,
 )
-from .files import write_rows
-from .isolated import Lost, outcomes
-from .scene import Scene
 
 
 def add_map(commands: Any) -> None:

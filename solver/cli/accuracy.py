@@ -3,9 +3,9 @@
 import argparse
 from typing import Any
 
-from .command import add_command, add_file, progress, within, write
-from .files import write_json
-from .scene import Scene, SceneError
+from ..files import write_json
+from ..scene import Scene, SceneError
+from .options import add_command, add_file, progress, within, write
 
 
 def add_accuracy(commands: Any) -> None:
@@ -21,8 +21,8 @@ def add_accuracy(commands: Any) -> None:
 
 def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
-    from .accuracy.measure import measure  # imported here because `run` does not need them
-    from .accuracy.report import data, document
+    from ..accuracy.measure import measure  # imported here because `run` does not need them
+    from ..accuracy.report import data, document
 
     for name, only in (("path", "shear"), ("hold", "delta")):
         if (value := getattr(scene, name)) != only:

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from . import METHODS, Profile, Scene, SceneError, load_path, summarize
-from .command import NOT_CONVERGED, InputError
-from .files import SCHEMA, origin, plain
-from .results import collected
-from .run.summary import fields_of
+from .. import METHODS, Profile, Scene, SceneError, load_path, summarize
+from ..files import SCHEMA, origin, plain
+from ..results import collected
+from ..run.summary import fields_of
+from .options import NOT_CONVERGED, InputError
 
 SAME = 1e-6  # of the largest of its kind: ends of branches are located to 1e-6 nm
 TOLERANCES = 100.0  # over the tolerance of the run, in delta_n or delta_t: error of F and L at the default, or less

@@ -8,24 +8,30 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from .plots import BACKENDS
-from .presets import preset
-from .profile import ProfileError, read_profile
-from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
-from .text import number_from_text, scene_from_text
+from ..plots import BACKENDS
+from ..presets import preset
+from ..profile import ProfileError, read_profile
+from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+from ..text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
 SETTABLE = (*PARAMETERS, "profile")  # by --set
-LISTS = "`python -m solver parameters` and `python -m solver presets` list what --set and --preset accept."
+SCRIPT = "mixed-mode-contact"  # of pyproject.toml
 
 
 class InputError(ValueError):
     """Bad input on the command line; the message is one line that names it and what is allowed."""
 
 
+def program() -> str:
+    """The name by which the command line was called."""
+    return SCRIPT if Path(sys.argv[0]).stem == SCRIPT else "python -m solver"
+
+
 def add_command(commands: Any, name: str, run: Callable, summary: str, text: str, epilog: str = "") -> Any:
     """Adds the subcommand run(scene, arguments) -> exit code, with options of the Scene, and returns its parser."""
-    parser = commands.add_parser(name, help=summary, description=text, epilog=f"{epilog} {LISTS}")
+    lists = f"`{program()} parameters` and `{program()} presets` list what --set and --preset accept."
+    parser = commands.add_parser(name, help=summary, description=text, epilog=f"{epilog} {lists}")
     setting = {"nargs": "+", "action": "extend", "default": [], "metavar": "NAME=VALUE"}
     parser.add_argument("--set", **setting, help="parameters of the scene, in place of their defaults")
     parser.add_argument("--preset", metavar="NAME", help="start from this named experiment; --set changes it")

@@ -4,16 +4,18 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from . import plots, skeleton_of
-from .analysis import fit as fits
-from .analysis import sensitivities as analysis
-from .analysis import spread as spreads
-from .analysis.fit import USUAL, FitOptions
-from .analysis.measurement import read_measurement
-from .analysis.partial import continuous
-from .analysis.spread import SLIP, deviations
-from .analysis.trial import AXES
-from .command import (
+from .. import plots, skeleton_of
+from ..analysis import fit as fits
+from ..analysis import sensitivities as analysis
+from ..analysis import spread as spreads
+from ..analysis.fit import USUAL, FitOptions
+from ..analysis.measurement import read_measurement
+from ..analysis.partial import continuous
+from ..analysis.spread import SLIP, deviations
+from ..analysis.trial import AXES
+from ..files import write_json, write_rows
+from ..scene import LIMITS, Scene
+from .options import (
     NOT_CONVERGED,
     InputError,
     add_command,
@@ -24,8 +26,6 @@ from .command import (
     within,
     write,
 )
-from .files import write_json, write_rows
-from .scene import LIMITS, Scene
 
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means

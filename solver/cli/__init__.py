@@ -1,0 +1,13 @@
+"""The command line.
+
+main           all commands, exit codes, the lists of parameters and presets
+run, verify    one experiment, and a repeated one
+accuracy       error against run time
+derivatives    sensitivities and fits
+maps           first slips over two parameters
+options        what commands share: the options of a scene, files, progress
+"""
+
+from .main import main, parser
+
+__all__ = ["main", "parser"]

@@ -1,0 +1,109 @@
+"""The command `run`: one experiment, its summary and files."""
+
+import argparse
+import sys
+from collections import deque
+from contextlib import suppress
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from .. import METHODS, Frame, NotConverged, Scene, load_path, plots
+from ..cautions import cautions
+from ..files import report_of, write_csv, write_json, write_npz
+from ..results import with_progress
+from ..text import counted
+from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_plot, caution, write
+
+# These small runs stick and slip: they load or compile every kernel before the clock starts. The patch of the first is
+# a part of the cell, that of the second all of it: arrays of another layout, for which Numba compiles again.
+WARM_UP = [
+    Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0),
+    Scene(nodes=16, width=40.0, delta_bar=0.1, du_z=0.5, du_x=0.5, u_x_max=8.0),
+]
+
+
+def add_run(commands: Any) -> None:
+    """Adds `run` to the subcommands."""
+    text = "Computes one experiment: the approach, then the shear or another path. Prints the first slip."
+    parser = add_command(commands, "run", run, "compute one experiment", text)
+    parser.add_argument("--method", choices=METHODS, default="fast", help="default fast; gfmd is the slower reference")
+    add_file(parser, "csv", "the curves: a row per increment after the approach")
+    add_file(parser, "npz", "the curves and the fields of these increments")
+    add_file(parser, "json", "scene, version, method and summary, for `verify`")
+    add_plot(parser, "F and L, A and the contact")
+
+
+def run(scene: Scene, arguments: argparse.Namespace) -> int:
+    """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
+    for small in WARM_UP:
+        with suppress(NotConverged):
+            deque(load_path(small, method=arguments.method), maxlen=0)
+    before = cautions(scene)
+    caution(before)
+    start = perf_counter()
+    frames, failure, code = compute(scene, arguments.method)
+    report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
+    caution(
+        sentence
+        for sentence in cautions(scene, safe_damping=report["safe_damping"], sensitive=report["sensitive"] > 0)
+        if sentence not in before
+    )
+    for note in scene.measured.notes if scene.measured else ():
+        print(f"profile: {note}")
+    print(described(report, len(frames)))
+    after = [frame for frame in frames if frame.stage != "approach"]
+    write(arguments.csv, write_csv, after)
+    write(arguments.npz, write_npz, scene, frames, arguments.method)
+    write(arguments.json, write_json, report)
+    write(arguments.html if after else None, plots.save, plots.experiment, scene, after)
+    if failure is not None:
+        print(failure, file=sys.stderr)
+    return code or (0 if report["converged"] else NOT_CONVERGED)
+
+
+class Computed(NamedTuple):
+    """Frames up to the end or a failure, what failed, and the exit code."""
+
+    frames: list[Frame]
+    failure: str | None = None
+    code: int = 0
+
+
+def compute(scene: Scene, method: str) -> Computed:
+    """Computes the whole load path, up to its end, a failure or an interrupt."""
+    frames: list[Frame] = []
+    try:
+        for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
+            frames.append(frame)
+    except NotConverged as error:
+        return Computed(frames, str(error), NOT_CONVERGED)
+    except KeyboardInterrupt:
+        position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
+        return Computed(frames, f"Interrupted {position}; run again to finish", INTERRUPTED)
+    return Computed(frames)
+
+
+def described(report: dict[str, Any], increments: int) -> str:
+    """The summary in three lines."""
+
+    scene = report["scene"]
+    force, width = scene["width"] * scene["E"], scene["width"]
+
+    def shown(name, key, factor, unit):
+        value = report[key]
+        return f"{name} = " + ("none" if value is None or value != value else f"{value * factor:.4g} {unit}")
+
+    if report["U_s"] is not None:
+        first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', force, 'N/m')}"
+        first += f", {shown('A', 'A_s', width, 'nm')}"
+    elif "L_min" in report:
+        first = f"least load of the retraction: {shown('L', 'L_min', force, 'N/m')}"
+    elif report["slips"]:
+        first = "none along U_x"
+    else:
+        first = "the run ended early" if report["failure"] else "the contact sticks or slides smoothly"
+    state = "converged" if report["converged"] else "NOT converged"
+    cost = f"{report['evaluations']} force evaluations, {report['seconds']:.3g} s"
+    lines = [f"{report['method']}: {increments} increments, {state}, {cost}"]
+    lines += [f"contact area at U_x = 0: {shown('A_0', 'A_0', width, 'nm')}"]
+    return "\n".join([*lines, f"{counted(report['slips'], 'slip')}; {first}"])
