@@ -11,7 +11,6 @@ SMALLEST = {  # tool: (arguments, what it prints)
     "load/classroom": (["--visitors", "1", "--seconds", "4"], "loop lag"),
     "load/hostile": (["--messages", "20", "--clients", "1", "--visitors", "1"], "visitors stuck             []"),
     "load/arrivals": (["--pages", "1", "--within", "1"], "errors                     []"),
-    "bench/fringes": (["--seconds", "0.2"], "frames/s"),
     "load/random_user": (["--minutes", "0.1", "--seed", "3"], "errors                     []"),
     "bench/latency": (["--moves", "1"], "whole new curve"),
 }
