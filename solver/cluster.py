@@ -10,7 +10,7 @@ from .isolated import TRACEBACK, Lost
 
 PATIENCE = 10.0  # s for the scheduler to answer; on a local network it takes milliseconds
 LOOK = 1.0  # s between two checks that the scheduler is still there
-LOST = "--scheduler {}: was lost; start it, and run again"
+LOST = "scheduler {}: was lost; start it, and run again"
 
 
 class ClusterError(RuntimeError):
@@ -28,14 +28,14 @@ class Cluster:
         try:
             from distributed import Client
         except ImportError:
-            raise ClusterError('--scheduler: dask is missing; pip install -e ".[cluster]"') from None
+            raise ClusterError('scheduler: dask is missing; pip install -e ".[cluster]"') from None
         try:
             self._client = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError):
-            raise ClusterError(f"--scheduler {address}: cannot be reached; give tcp://host:8786") from None
+            raise ClusterError(f"scheduler {address}: cannot be reached; give tcp://host:8786") from None
         if not self._client.ncores():
             self._client.close()
-            raise ClusterError(f"--scheduler {address}: no worker there; dask worker {address} --nthreads 1")
+            raise ClusterError(f"scheduler {address}: no worker there; dask worker {address} --nthreads 1")
         self._call, self._address, self._patience = call, address, limit
         self._hang = Lost("hang", f"no answer of the cluster within {limit:g} s")
         self._ended: SimpleQueue[Any] = SimpleQueue()

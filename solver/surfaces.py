@@ -182,7 +182,7 @@ def _measured_refused(scene):
         return (
             "surface",
             "it needs a profile",
-            "give one: profile=FILE after --set, measured=read_profile(...) in Python",
+            "give one: profile=FILE on the command line, measured=read_profile(...) in Python",
         )
     length = scene.measured.length
     if abs(scene.width - length) > 1e-9 * length:

@@ -103,7 +103,7 @@ def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], optio
     for name in free:
         if name not in allowed or list(free).count(name) > 1:
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
-            raise ValueError(f"--free {name}: allowed, once each: {', '.join(allowed)}{first}")
+            raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
     longest = max(float(measured.U_x[-1]), scene.u_x_max)
     if {"offset_U", "scale_U"} & set(free):  # points move along the curve
         longest *= AHEAD

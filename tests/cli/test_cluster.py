@@ -66,4 +66,4 @@ def test_an_unreachable_cluster_is_named_in_one_line(capsys, monkeypatch, tmp_pa
     grid = ["map", "--x", "E=60:80:2", "--y", "delta_bar=0:0.1:2", "--csv", str(tmp_path / "map.csv")]
     assert main([*grid, "--scheduler", "tcp://127.0.0.1:1"]) == 2
     said = capsys.readouterr().err.strip().splitlines()
-    assert said[-1].startswith("--scheduler tcp://127.0.0.1:1: cannot be reached")
+    assert said[-1].startswith("scheduler tcp://127.0.0.1:1: cannot be reached")
