@@ -20,12 +20,14 @@ from .derivatives import add_fit, add_sensitivities, add_spread
 from .maps import add_flats, add_map
 from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, InputError, program
 from .run import add_run
+from .sweep import add_sweep
 from .verify import add_verify
 
 COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
 CLOSED_PIPE = 141  # exit code, as shells report SIGPIPE
 COMMANDS = (
     add_run,
+    add_sweep,
     add_verify,
     add_accuracy,
     add_map,

@@ -20,7 +20,7 @@ import pytest
 from numba.core.event import install_listener
 
 import solver.cli as cli
-from solver import LIMITS, NotConverged, Profile, Scene, SceneError, __version__, load_path, read_profile
+from solver import LIMITS, NotConverged, Profile, Scene, SceneError, __version__, load_path, read_profile, sweep
 from solver.cli import run
 from solver.cli.main import CLOSED_PIPE, CompilingNotice
 from solver.cli.options import scene_of
@@ -442,6 +442,7 @@ def test_an_unknown_parameter_is_answered_with_the_most_similar_one(call, settin
     "arguments",
     [
         ("run",),
+        ("sweep", "--over", "E=60,70"),
         ("accuracy",),
         ("sensitivities",),
         ("map", "--x", "E=1:2:2", "--y", "nu=0:0.1:2", "--csv"),
@@ -454,6 +455,26 @@ def test_every_command_that_computes_a_scene_knows_the_presets(call, tmp_path, a
     files = [tmp_path / "map.csv"] if arguments[-1] == "--csv" else []
     code, _, err = call(*arguments, *files, "--preset", "fig9")
     assert code == 2 and err.startswith("preset 'fig9': allowed: fig6, ")
+
+
+def test_sweep_prints_and_writes_the_first_slip_of_every_combination(call, tmp_path):
+    over = ("--over", "phi_ratio=0.5,1", "E=0.05 TPa,70")
+    code, out, _ = call("sweep", *over, "--set", *SMALL, "u_x_max=8", "--csv", tmp_path / "sweep.csv")
+    written = rows(tmp_path / "sweep.csv")
+    scene = Scene(nodes=64, width=160.0, u_x_max=8.0)
+    table = sweep(scene, phi_ratio=[0.5, 1.0], E=[50.0, 70.0])
+    assert code == 0 and len(out.splitlines()) == 5 and len(written) == 4
+    assert list(written[0]) == list(table.columns)
+    assert [float(row["U_s (nm)"]) for row in written] == table["U_s (nm)"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("over", "words"),
+    [("phi_rati=1", "did you mean phi_ratio?"), ("phi_ratio", "give NAME=VALUE,VALUE,..."), ("E=1,x", "E = 'x'")],
+)
+def test_sweep_names_a_wrong_parameter_or_value_in_one_line(call, over, words):
+    code, _, err = call("sweep", "--over", over)
+    assert code == 2 and err.count("\n") == 1 and words in err
 
 
 def test_fit_takes_its_arguments_in_the_order_that_its_usage_prints(call):

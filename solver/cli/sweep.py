@@ -1,0 +1,40 @@
+"""The command `sweep`: the first slip of every combination of parameter values."""
+
+import argparse
+from typing import Any
+
+from .. import sweep
+from ..scene import LIMITS, PARAMETERS, Scene
+from ..schema import unknown_name
+from ..text import number_from_text
+from .options import NOT_CONVERGED, add_command, add_file, settings, within, write
+
+FORM = "NAME=VALUE,VALUE,..."
+COMPUTED = ("slips", "no slip")  # outcomes that are results
+
+
+def add_sweep(commands: Any) -> None:
+    """Adds `sweep` to the subcommands."""
+    text = "Computes the first slip for every combination of parameter values. Prints a row for each."
+    epilog = "Columns: the parameters, U_s (nm), F_s, L_s (N/m), A_s, A_0 (nm), outcome."
+    parser = add_command(commands, "sweep", swept, "first slips of combinations of values", text, epilog)
+    parser.add_argument("--over", nargs="+", action="extend", required=True, metavar=FORM, help="values of parameters")
+    parser.add_argument("--workers", type=within(1), default=1, metavar="N", help="number of processes, default 1")
+    add_file(parser, "csv", "a row per combination")
+
+
+def swept(scene: Scene, arguments: argparse.Namespace) -> int:
+    """Computes, prints and writes the rows; 1 if a combination has no result."""
+    values = {name: _values(name, text) for name, text in settings(arguments.over, "--over", FORM).items()}
+    table = sweep(scene, arguments.workers, **values)
+    print(table.to_string(index=False))
+    write(arguments.csv, lambda file: table.to_csv(file, index=False, lineterminator="\n"))
+    return 0 if table["outcome"].isin(COMPUTED).all() else NOT_CONVERGED
+
+
+def _values(name, text):
+    """The values of a parameter in a text with commas between them; raises SceneError."""
+    if name not in PARAMETERS:
+        raise unknown_name(name, PARAMETERS)
+    listed = text.split(",")
+    return [number_from_text(name, one) for one in listed] if name in LIMITS else listed
