@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from .analysis.maps import Axis, Map, explored
     from .analysis.measurement import read_measurement
     from .analysis.sensitivities import sensitivities
-    from .analysis.spread import spread
 
 __version__ = "0.1.0"
 __all__ = [
@@ -86,7 +85,6 @@ __all__ = [
     "simulate",
     "skeleton_from",
     "skeleton_of",
-    "spread",
     "summarize",
     "sweep",
     "whole_surface",
@@ -99,7 +97,6 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "fit": "fit",
     "read_measurement": "measurement",
     "sensitivities": "sensitivities",
-    "spread": "spread",
 }
 
 

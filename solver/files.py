@@ -15,7 +15,7 @@ import numpy as np
 
 from . import __version__
 from .run.frame import Frame
-from .run.summary import account, fields_of, summarize
+from .run.summary import fields_of, left_out, summarize
 from .scene import Scene
 
 SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
@@ -80,8 +80,8 @@ def report_of(
 ) -> dict[str, Any]:
     """What --json writes beside the version: scene, method and summary."""
     report = {"method": method, "scene": asdict(scene)}
-    left_out = account(frames) if method == "fast" else {}
-    return report | summarize(scene, frames) | {"seconds": seconds, "failure": failure, "left_out": left_out}
+    ended = {"seconds": seconds, "failure": failure, "left_out": left_out(frames)}
+    return report | summarize(scene, frames) | ended
 
 
 @cache

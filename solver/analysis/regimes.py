@@ -1,14 +1,9 @@
-"""The map of regimes of flat on flat at zero gap, over stiffness and strength (Figs. 4, 5)."""
+"""The scenes of flat on flat at zero gap over stiffness and strength (Figs. 4, 5)."""
 
 from math import inf
-from typing import Any
 
-import numpy as np
-
-from ..continuation.state import NotConverged
-from ..run.loadpath import load_path
-from ..scene import Scene, SceneError
-from .friction_laws import friction, friction_force, tau_max
+from ..scene import Scene
+from .friction_laws import tau_max
 
 MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m: the line of E_c crosses the map
 END = 40.0  # nm, of a run that shows curves: 16 lattice periods of the default
@@ -16,7 +11,6 @@ STEP = 0.2  # delta_t, increments of a run that gives the friction: slips are lo
 # Times the shear at which springs bear tau_max, where the flat slips at the latest; and lattice periods beyond. Slips
 # land between two increments: with 1 and 3, fewer of them, means change by up to 2 %.
 SHEAR, PERIODS = 2.5, 3
-COLUMNS = "E", "phi_t", "slips", "F_s", "F_k", "mean", "exact", "reason"
 
 
 def flat(scene) -> Scene:
@@ -30,29 +24,3 @@ def sliding(scene, E) -> Scene:
     stiffer = scene.changed(E=float(f"{E:.6g}"))
     end = SHEAR * tau_max(scene) * stiffer.shear_compliance + PERIODS * scene.spacing
     return stiffer.changed(u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
-
-
-def points(scene, count) -> list[tuple[Scene, float, float]]:
-    """[(the scene as a flat, E, phi_t)] of count x count points of the map."""
-    base = flat(scene)
-    return [
-        (base, float(E), float(phi_t))
-        for phi_t in np.geomspace(*STRENGTHS, count)
-        for E in np.geomspace(*MODULI, count)
-    ]
-
-
-def regime(point) -> dict[str, Any]:
-    """{column: value} of a point: forces over wE and means over w tau_max, from its run and in closed form."""
-    base, E, phi_t = point
-    row = dict.fromkeys(COLUMNS, "") | {"E": E, "phi_t": phi_t}
-    try:
-        scene = sliding(base.changed(phi_ratio=phi_t / base.phi_n), E)
-        over = scene.E / tau_max(scene)
-        row["exact"] = friction(scene).mean * over
-        frames = list(load_path(scene))
-        measured = friction_force(scene, frames)
-    except (SceneError, NotConverged, ValueError) as error:
-        return row | {"reason": str(error)}
-    slips = sum(len(frame.slips) for frame in frames)
-    return row | {"slips": slips, "F_s": measured.F_s, "F_k": measured.F_k, "mean": measured.mean * over}

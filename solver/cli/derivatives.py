@@ -1,4 +1,4 @@
-"""The commands that need derivatives of a run: `sensitivities`, `fit` and `spread`."""
+"""The commands that need derivatives of a run: `sensitivities` and `fit`."""
 
 import argparse
 from collections.abc import Callable
@@ -7,11 +7,8 @@ from typing import Any
 from .. import plots, skeleton_of
 from ..analysis import fit as fits
 from ..analysis import sensitivities as analysis
-from ..analysis import spread as spreads
 from ..analysis.fit import USUAL, FitOptions
 from ..analysis.measurement import read_measurement
-from ..analysis.partial import continuous
-from ..analysis.spread import SLIP, deviations
 from ..analysis.trial import AXES
 from ..files import write_json, write_rows
 from ..scene import LIMITS, Scene
@@ -22,11 +19,11 @@ from .options import (
     add_file,
     add_plot,
     caution,
-    settings,
     within,
     write,
 )
 
+SLIP = ("U_s", "F_s", "L_s", "A_s")  # the derivatives of a slip
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
     (True, True): "The curve fits the data, and the data determine the parameters.",
@@ -113,27 +110,3 @@ def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.csv, write_rows, ["U_x", "quantity", "measured", "model"], result.rows)
     write(arguments.json, write_json, result.as_dict())
     return 0 if result.reached else NOT_CONVERGED
-
-
-def add_spread(commands: Any) -> None:
-    """Adds `spread` to the subcommands."""
-    text = "How uncertain parameters spread the curves and the first slip, by derivatives."
-    parser = _add(commands, "spread", spread, "curves and slips of uncertain parameters", text, "state of each branch")
-    parser.add_argument("--of", nargs="+", required=True, metavar="NAME=SHARE", help="standard deviations: phi_n=10%%")
-    draws = "check with this many random draws, default 0"
-    parser.add_argument("--draws", type=within(0), default=0, metavar="N", help=draws)
-
-
-def spread(scene: Scene, arguments: argparse.Namespace) -> int:
-    """Computes the band, prints the interval of each slip; returns the exit code."""
-    try:
-        of = deviations(scene, settings(arguments.of, "--of", "NAME=SHARE", continuous(scene)))
-    except ValueError as error:
-        raise InputError(str(error)) from None
-    result = spreads.spread(skeleton_of(scene), of, arguments.draws)
-    for sentence in result.sentences():
-        print(sentence)
-    heading = ["branch", "U_x", "F_bar", "L_bar", "A_bar", "sd_F", "sd_L", "sd_A"]
-    write(arguments.csv, write_rows, heading, result.rows())
-    write(arguments.json, write_json, result.as_dict())
-    return 0

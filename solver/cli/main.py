@@ -16,8 +16,8 @@ from ..presets import PresetError, presets
 from ..scene import CHOICES, LIMITS, PARAMETERS
 from ..threads import one_thread
 from .accuracy import add_accuracy
-from .derivatives import add_fit, add_sensitivities, add_spread
-from .maps import add_flats, add_map
+from .derivatives import add_fit, add_sensitivities
+from .maps import add_map
 from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, InputError, program
 from .run import add_run
 from .sweep import add_sweep
@@ -31,10 +31,8 @@ COMMANDS = (
     add_verify,
     add_accuracy,
     add_map,
-    add_flats,
     add_sensitivities,
     add_fit,
-    add_spread,
 )
 
 

@@ -1,4 +1,4 @@
-"""The commands `map`, of first slips over two parameters, and `flats`, of the friction of flats."""
+"""The command `map`: first slips over two parameters."""
 
 import argparse
 import sys
@@ -6,11 +6,8 @@ from typing import Any
 from zlib import crc32
 
 from .. import __version__, plots
-from ..analysis import regimes
 from ..analysis.maps import REGIMES, Axis, Map, Point, explored
 from ..analysis.maps.point import QUANTITIES
-from ..files import write_rows
-from ..isolated import Lost, outcomes
 from ..scene import Scene
 from .options import (
     INTERRUPTED,
@@ -21,7 +18,6 @@ from .options import (
     add_plot,
     add_scheduler,
     progress,
-    within,
     write,
 )
 
@@ -45,17 +41,6 @@ def add_map(commands: Any) -> None:
     add_plot(parser, "the column and the regimes")
 
 
-def add_flats(commands: Any) -> None:
-    """Adds `flats` to the subcommands."""
-    text = "Computes the friction of flats over E and phi_t, by runs and in closed form (Figs. 4, 5)."
-    epilog = "Columns: E (GPa), phi_t (N/m), slips, F_s and F_k (over wE), mean and exact (over w tau_max), reason."
-    parser = add_command(commands, "flats", flats, "friction of flats over E and phi_t", text, epilog)
-    points = "compute N x N points, 2 .. 100, default 12"
-    parser.add_argument("--points", type=within(2, 100), default=12, metavar="N", help=points)
-    add_scheduler(parser)
-    add_file(parser, "csv", "a row per point", required=True)
-
-
 def mapped(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes a map and writes it; 1 if a point has no result."""
     grid = Map(scene, Axis.of(arguments.x), Axis.of(arguments.y))
@@ -75,20 +60,6 @@ def mapped(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.html, plots.save, plots.first_slips, table, grid.x.name, grid.y.name, arguments.column)
     print(_described(points))
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
-
-
-def flats(scene: Scene, arguments: argparse.Namespace) -> int:
-    """Computes the points that `regimes.points` lists and writes them; 1 if one has no result."""
-    asked = regimes.points(scene, arguments.points)
-    rows = [dict.fromkeys(regimes.COLUMNS, "") | {"E": E, "phi_t": phi_t} for _, E, phi_t in asked]
-    with progress(len(asked), " points") as bar:
-        for k, result in outcomes(regimes.regime, asked, arguments.scheduler):
-            rows[k] |= {"reason": result.reason} if isinstance(result, Lost) else result
-            bar.update()
-    write(arguments.csv, write_rows, regimes.COLUMNS, (row.values() for row in rows))
-    slip, without = (sum(bool(row[name]) for row in rows) for name in ("slips", "reason"))
-    print(f"{len(rows)} points: {slip} stick and slip, {without} without a result")
-    return NOT_CONVERGED if without else 0
 
 
 def _origin(grid):

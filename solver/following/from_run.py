@@ -27,7 +27,7 @@ CLEAR = 1e-4  # nm, the largest error of its slips: the accuracy that followed r
 
 
 def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
-    """Computes a run and describes it by its branches, for `follow`, `sensitivities` and `spread`.
+    """Computes a run and describes it by its branches, for `follow` and `sensitivities`.
 
     Parameters: scene; limit: the longest time, s.
     Returns the Skeleton of the run.

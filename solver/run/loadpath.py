@@ -20,13 +20,10 @@ from .frame import Frame, SlipEvent, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
 METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
-# by which a run omits computations that its scene does not need: with or without one, frames agree to the tolerance
-RULES = {
-    "uniform": "flat on flat, as long as no wave grows: all nodes move alike, so one stands for all",
-    "window": "nodes outside the interaction window: neither evaluated, nor transformed, nor kept in secant pairs",
-    "translation": "sliding repeats itself a lattice period on: known states are moved on and verified, not solved for",
-}
-ALL = frozenset(RULES)
+# Computations that a run may leave out; frames agree to the tolerance with and without one.
+# uniform: one node stands for all nodes of a flat, until a wave grows. window: nodes outside the patch. translation:
+# sliding repeats itself after a lattice period, so known states are moved on and verified.
+ALL = frozenset({"uniform", "window", "translation"})
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # delta_n beyond the window up to which nodes belong to the first patch, as adhesion draws them nearer. At 0, patches of
 # the slider box have to grow, which takes 2 % more evaluations; 1.5 and 6 take as many (tests/bench/constants.py)
@@ -60,8 +57,8 @@ def load_path(
 ) -> Iterator[Frame]:
     """Computes the increments of a scene, one by one.
 
-    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; leave_out: the RULES that the fast method may
-    use.
+    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; leave_out: what the fast method may
+    leave out, of ALL.
     Returns an iterator of Frames.
     Raises NotConverged where an increment has no equilibrium in reach, ValueError for a name not in METHODS.
 

@@ -23,7 +23,7 @@ def advance(
     """Computes a slice of a run: a pure function of picklable arguments, for use in a worker.
 
     Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
-    method: a name in METHODS; leave_out: RULES that may be used; limit: processor time of an increment.
+    method: a name in METHODS; leave_out: as of `load_path`; limit: processor time of an increment.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.failure names the load and a remedy.
     Raises ValueError for a method that is not in METHODS.

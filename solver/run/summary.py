@@ -10,7 +10,6 @@ from ..mechanics.layer import Convolution, Modes
 from ..scene import Scene
 from .frame import Frame, kind, largest_safe_damping, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
-from .loadpath import ALL, RULES
 
 
 def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
@@ -82,19 +81,10 @@ def _converged(scene, frames):
     return ended and all(f.residual <= scene.tolerance for f in frames)
 
 
-def account(frames, leave_out=ALL) -> dict[str, dict]:
-    """{rule: {what, count, unit}} of the rules that applied to a run of the fast method, from its frames."""
+def left_out(frames: Sequence[Frame]) -> dict[str, int]:
+    """What a run did not compute: nodes of the cell that its last frame leaves out, and increments that it repeated."""
     if not frames:
-        return {}
-    last, scene = frames[-1].u, frames[-1].scene
-    uniform = last.strides[1] == 0  # one node stands for all: see `frame.on_nodes`
-    kept = 1 if uniform else last.shape[1]
-    counted = {
-        "uniform" if uniform else "window": (scene.nodes - kept, "nodes left out at the end"),
-        "translation": (sum(f.repeated for f in frames), "increments repeated"),
-    }
-    return {
-        rule: {"what": RULES[rule], "count": count, "unit": unit}
-        for rule, (count, unit) in counted.items()
-        if rule in leave_out and count
-    }
+        return {"nodes": 0, "increments": 0}
+    last = frames[-1]
+    kept = 1 if last.u.strides[1] == 0 else last.u.shape[1]  # one node may stand for all: see `frame.on_nodes`
+    return {"nodes": last.scene.nodes - kept, "increments": sum(frame.repeated for frame in frames)}

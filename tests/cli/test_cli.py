@@ -446,9 +446,7 @@ def test_an_unknown_parameter_is_answered_with_the_most_similar_one(call, settin
         ("accuracy",),
         ("sensitivities",),
         ("map", "--x", "E=1:2:2", "--y", "nu=0:0.1:2", "--csv"),
-        ("flats", "--csv"),
         ("fit", "f", "--free", "E"),
-        ("spread", "--of", "E=1%"),
     ],
 )
 def test_every_command_that_computes_a_scene_knows_the_presets(call, tmp_path, arguments):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver import Axis, Map, Scene, explored, load_path, plots, simulate, skeleton_of, spread, summarize, sweep
+from solver import Axis, Map, Scene, explored, load_path, plots, simulate, summarize, sweep
 from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
@@ -145,12 +145,6 @@ def test_maps_of_the_exported_functions_are_tables_over_both_parameters():
     first = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[0.5, 1.0]).set_index(["delta_bar", "phi_ratio"])
     for place, U_s in first["U_s (nm)"].items():
         assert table["U_s"][place] == pytest.approx(U_s, abs=1e-5)  # nm; ends of branches are located to 1e-6
-
-
-def test_an_exported_spread_is_an_interval_around_the_slip():
-    skeleton = skeleton_of(SMALL)
-    low, high = spread(skeleton, {"phi_n": 0.01}).interval("U_s")
-    assert low < skeleton.slips[0].load < high
 
 
 @pytest.mark.parametrize(("count", "text"), [(0, "0 slips"), (1, "1 slip"), (2, "2 slips")])

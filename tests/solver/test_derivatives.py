@@ -38,29 +38,16 @@ def test_a_fit_of_the_csv_of_a_run_recovers_its_parameter(call, tmp_path):
     assert found["values"]["phi_ratio"] == pytest.approx(1.0, abs=0.01)
 
 
-def test_a_spread_is_printed_and_its_band_written(call, tmp_path):
-    table = tmp_path / "band.csv"
-    code, out, _ = call("spread", "--of", "phi_n=1%", "--set", *SMALL, "--csv", table)
-    assert code == 0 and "F_s of the first slip" in out
-    assert all(float(row["sd_F"]) >= 0.0 for row in rows(table))
-
-
 @pytest.mark.parametrize("settings", [("u_x_max=1",), ("delta_bar=-1", "u_x_max=1")], ids=["sticks", "never touches"])
 def test_a_run_without_a_slip_is_not_said_to_slide(call, settings):
-    for command in (("sensitivities",), ("spread", "--of", "phi_n=1%")):
-        code, out, _ = call(*command, "--set", *SMALL, *settings)
-        assert code == 0 and out.startswith("The run has no slip up to u_x_max = 1 nm")
+    code, out, _ = call("sensitivities", "--set", *SMALL, *settings)
+    assert code == 0 and out.startswith("The run has no slip up to u_x_max = 1 nm")
 
 
 @pytest.mark.parametrize(
     "arguments, said",
     [
         (("fit", "nowhere.csv", "--free", "E"), "nowhere.csv"),
-        (("spread", "--of", "phi_n=-1"), "phi_n=-1"),
-        (("spread", "--of", "nodes=1"), "nodes"),
-        (("spread", "--of", "delta_bar=10%"), "--of delta_bar=10%: delta_bar is 0; give its standard deviation in"),
-        (("spread", "--of", "phi_n"), "--of phi_n: give NAME=SHARE, NAME one of delta_bar, phi_n"),
-        (("spread", "--of", "phi_n=1%", "--draws", "-1"), "--draws: -1"),
         (("sensitivities", "--set", "E=-1"), "E = -1"),
     ],
 )

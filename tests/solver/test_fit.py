@@ -8,7 +8,6 @@ import pytest
 from solver import NotConverged, Scene, simulate, skeleton_of
 from solver.analysis.fit import FitOptions, fit
 from solver.analysis.measurement import Measurement, MeasurementError, noise_of, read_measurement
-from solver.analysis.spread import deviations, spread
 from solver.analysis.trial import Model
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
@@ -324,21 +323,3 @@ def test_names_that_cannot_be_free_are_rejected(skeleton):
 def test_a_fit_needs_a_list_of_names(skeleton, free, write):
     with pytest.raises(ValueError, match=rf"free = .*: allowed: a list of names, one or more; write {write}"):
         fit(SMALL, measured(skeleton), free)
-
-
-@pytest.mark.thorough
-def test_the_linear_spread_agrees_with_random_draws(skeleton):
-    of = deviations(SMALL, {"phi_n": "2%", "E": "0.3"})
-    assert of == pytest.approx({"phi_n": 0.02 * SMALL.phi_n, "E": 0.3})
-    found = spread(skeleton, of, 60)
-    assert not found.lost
-    # the deviation of 60 draws is right to 9 %
-    assert found.drawn.std(axis=0)[:2] == pytest.approx(found.slips[0][:2], rel=0.4)
-    low, high = found.interval("F_s")
-    assert low < found.sensitivities.slips[0].event.F_bar < high
-
-
-@pytest.mark.parametrize("text", ["-3%", "x", "0"])
-def test_an_invalid_standard_deviation_is_rejected(text):
-    with pytest.raises(ValueError, match="phi_n"):
-        deviations(SMALL, {"phi_n": text})
