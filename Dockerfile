@@ -35,5 +35,4 @@ EXPOSE 5006
 HEALTHCHECK --interval=30s --timeout=10s --start-period=90s \
     CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:5006/liveness', timeout=8)"]
 ENV NUMBA_CACHE_DIR=/tmp/numba
-CMD ["sh", "-c", "cp -r /srv/numba /tmp/ && exec panel serve app --address 0.0.0.0 --port 5006 \
-     --session-token-expiration 3600 --websocket-max-message-size 5000000"]
+CMD ["sh", "-c", "cp -r /srv/numba /tmp/ && exec panel serve app --address 0.0.0.0 --port 5006"]

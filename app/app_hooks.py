@@ -23,13 +23,13 @@ from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
+server_log.configure()  # before Bokeh logs the first line
 routes.install()
 shared(f"/{Path(__file__).parent.name}")
 
 
 def on_server_loaded(server_context):
     """Start the workers, then load code and compute runs that the first page does not need: the port is open."""
-    server_log.configure()
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()

@@ -2,9 +2,11 @@
 
 `panel serve` adds routes of its own. One of them, `/components/<module>/...`, imports the module that a visitor names.
 Undocumented in Bokeh 3.9: the patterns in `bokeh.server.urls`, of which every server is made, and the class
-`bokeh.server.server.BokehTornado`, which this module replaces; in Tornado 6.6: `Application.wildcard_router`.
+`bokeh.server.server.BokehTornado`, which this module replaces; in Tornado 6.6: `Application.wildcard_router`, and
+the `params` of a connection.
 """
 
+import logging
 from pathlib import Path
 
 from bokeh.server import server, urls
@@ -12,9 +14,16 @@ from bokeh.server.tornado import BokehTornado
 from bokeh.settings import settings
 from panel.io.resources import DIST_DIR
 
+from app.hosts import refused_host
 from app.session.message_filter import MessageFilter
-from app.web import Files, Liveness, Metrics, NotFound, Page, Root, Scripts
+from app.web import Files, ForeignHost, Liveness, Metrics, NotFound, Page, Root, Scripts
 
+log = logging.getLogger("app")
+MESSAGE = 5_000_000  # bytes of a message on a websocket; no order is longer
+LESSON = 3600  # s, at least, during which an opened page may still connect
+BODY = 65_536  # bytes of a request's body; no page sends one
+BODY_TIME = 10.0  # s for a body
+IDLE = 30.0  # s for the headers of a request, and between two requests of a connection
 PAGE = [("/?", Page), ("/ws", MessageFilter), (r"/static/(.*)", Files), (r"/pages/(\w+/page\.js)", Scripts)]
 # Files of Panel that a page of plain Panel widgets, tables and plots loads.
 BUNDLED = "theme|bootstrap5|bootstraptemplate|datatabulator|font-awesome|reactiveesm"
@@ -29,15 +38,40 @@ SERVER = [
 
 
 class Application(BokehTornado):
-    """Bokeh's application without the routes that are not listed here; `removed` has their patterns."""
+    """Bokeh's application with bounds, and without the routes that are not listed; `removed` has their patterns."""
 
     def __init__(self, *arguments, **options):
-        super().__init__(*arguments, default_handler_class=NotFound, **options)
+        options |= {"default_handler_class": NotFound, "websocket_max_message_size_bytes": MESSAGE}
+        options["session_token_expiration"] = max(LESSON, options.get("session_token_expiration", LESSON))
+        super().__init__(*arguments, **options)
         pages = [(url.rstrip("/") + route, handler) for url in self.applications for route, handler in PAGE]
         listed = {(f"{self.prefix}{route}$", handler) for route, handler, *_ in [*pages, *SERVER]}
         found = {(rule.matcher.regex.pattern, rule.target): rule for rule in self.wildcard_router.rules}
         self.wildcard_router.rules[:] = [rule for key, rule in found.items() if key in listed]
         self.removed = [pattern for pattern, handler in found if (pattern, handler) not in listed]
+
+    def start_request(self, server_conn, request_conn):
+        """Bound the size and the time of each request on a connection."""
+        request_conn.set_max_body_size(BODY)
+        request_conn.set_body_timeout(BODY_TIME)
+        request_conn.params.header_timeout = IDLE
+        return super().start_request(server_conn, request_conn)
+
+    def find_handler(self, request, **options):
+        """Return the handler of a request; one for a foreign host gets no other answer."""
+        host = refused_host(request, self.websocket_origins)
+        if host is None:
+            return super().find_handler(request, **options)
+        return self.get_handler_delegate(request, ForeignHost, {"host": host[:80]})
+
+    def log_request(self, handler):
+        """Log a request that was not answered as asked, in one line."""
+        request, status = handler.request, handler.get_status()
+        if status < 400:
+            return
+        event = getattr(handler, "event", None) or "a request was refused"
+        fields = {"status": status, "method": request.method, "path": request.path[:200], "peer": request.remote_ip}
+        log.log(logging.ERROR if status == 500 else logging.INFO, event, extra=fields)
 
     def add_handlers(self, host_pattern, host_handlers):
         """Reject routes that are added later."""

@@ -4,15 +4,17 @@ import json
 import logging
 import os
 import re
+import shlex
 import socket
 import sys
 from contextlib import suppress
 from itertools import pairwise
+from pathlib import Path
 
 log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
+HERE = Path(__file__).parent
 BARE = re.compile(r"[\w.:/+-]+")
-ALWAYS = "--session-token-expiration 3600 --websocket-max-message-size 5000000"  # for a class, see README
 ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation; used to find the own address, nothing is sent
 
 
@@ -45,7 +47,8 @@ def configure():
         root.addHandler(logging.StreamHandler())
     for handler in root.handlers:
         handler.setFormatter(Lines())
-    logging.getLogger("app").setLevel(logging.INFO)
+    for name in ("app", "tornado.general"):  # Tornado logs there which address sent a malformed request
+        logging.getLogger(name).setLevel(logging.INFO)
 
 
 def addresses():
@@ -66,13 +69,20 @@ def log_addresses(arguments=None):
     known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]
     hosts = [host for host in known if host.strip("*")]
     scheme = "https" if "--use-xheaders" in given else "http"  # set behind a proxy, usually with TLS
-    page = "/".join(["", *filter(None, _option(given, "--prefix")[-1:]), "app"]).replace("//", "/")
+    prefix = "".join(_option(given, "--prefix")[-1:]).strip("/")
+    page = f"/{prefix}/app" if prefix else "/app"
     for host in hosts:
         log.info("visitors open %s://%s%s", scheme, host, page)
     for address in addresses() if not hosts else ():
         host = f"{address}:{port}"
-        command = f"panel serve app --address 0.0.0.0 --port {port} --allow-websocket-origin={host} {ALWAYS}"
-        log.info("for a class at http://%s/app start it by: %s", host, command)
+        command = ["panel", "serve", _folder(), "--address", "0.0.0.0", "--port", port]
+        command += ["--allow-websocket-origin", host, *(["--prefix", prefix] if prefix else [])]
+        log.info("for a class at http://%s%s start it by: %s", host, page, shlex.join(command))
+
+
+def _folder():
+    """Return the folder of the app as a command needs it: installed from a wheel, it is not in the current folder."""
+    return HERE.name if HERE.parent == Path.cwd() else str(HERE)
 
 
 def _option(given, name):

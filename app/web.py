@@ -8,7 +8,6 @@ import gzip
 import html
 import logging
 import mimetypes
-import os
 import re
 import secrets
 from contextlib import suppress
@@ -18,19 +17,17 @@ from panel.io.server import DocHandler
 from tornado.web import RequestHandler, authenticated
 
 from app.assets import PAGES, STATIC, content
-from app.hosts import NamedHost
+from app.environment import FRAMES, VISITORS
 from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
 from app.session.controls import FOR_BROWSER, FOR_SERVER
 from app.session.message_filter import TOKEN, is_full
-from app.session.session import VISITORS
 
 log = logging.getLogger("app")
 STRANGE = 3  # unknown names of an address that the page reports, at most
 AGAIN = 10  # s before a browser repeats the request for a page of a full class
 YEAR = 31_536_000  # s
-FRAMES = os.environ.get("APP_FRAME_ANCESTORS", "'self'")  # sites that may embed ?embed=1 in a frame, in CSP syntax
 HTML = "text/html; charset=utf-8"
 NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors "
 HOST = re.compile(r"[\w.:\[\]-]+")
@@ -69,6 +66,31 @@ class Plain(RequestHandler):
             self.set_header("Content-Encoding", "gzip")
         self.finish(body)
 
+    @property
+    def frames(self):
+        """Sites that may embed this page in a frame."""
+        return FRAMES if self.get_argument("embed", "") == "1" else "'self'"
+
+    def refuse(self, status, title, text, again=0):
+        """Answer with a page that reports an error; again: s before the browser repeats the request."""
+        self.set_status(status)
+        self.set_header("Content-Security-Policy", NOTHING + self.frames)
+        more = f'<meta http-equiv="refresh" content="{again}">' if again else ""
+        self.body(REFUSAL.format(title=title, text=text, more=more), HTML)
+
+
+class ForeignHost(Plain):
+    """403 for every request under a host name that the server does not allow."""
+
+    def initialize(self, host, **_):
+        self.host = host
+
+    def prepare(self):
+        option = f"--allow-websocket-origin={self.host}"
+        self.event = f"a request for the host {self.host} was refused: start with {option} to allow it"
+        text = f"The server does not answer under the name {html.escape(self.host)}. Use another name of it,"
+        self.refuse(403, "Not under this name", f"{text} or start it with <code>{html.escape(option)}</code>.")
+
 
 class NotFound(Plain):
     """404 for all addresses that are not listed in app/routes.py."""
@@ -84,8 +106,10 @@ class Root(Plain):
         here, page = self.request.path.rsplit("/", 1)[1], next(iter(self.application.applications)).strip("/")
         self.redirect(f"./{here}/{page}" if here else f"./{page}")
 
+    head = get
 
-class Page(NamedHost, Plain, DocHandler):
+
+class Page(Plain, DocHandler):
     """The page with a token of a session, which starts when the browser connects; or a page with an error."""
 
     initialize = DocHandler.initialize
@@ -96,7 +120,7 @@ class Page(NamedHost, Plain, DocHandler):
         if self.request.path.endswith("/"):
             page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have removed a prefix
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
-        if is_full():
+        if is_full(self.request.remote_ip):
             self.set_header("Retry-After", str(AGAIN))
             text = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
             return self.refuse(503, "The class is full", text, AGAIN)
@@ -130,27 +154,12 @@ class Page(NamedHost, Plain, DocHandler):
         return generate_jwt_token(generate_session_id(**keys), expiration=expires, extra_payload=payload, **keys)
 
     @property
-    def frames(self):
-        """Sites that may embed this page in a frame."""
-        return FRAMES if self.get_argument("embed", "") == "1" else "'self'"
-
-    @property
     def without(self):
         """Link to the page without parameters, for an invalid address."""
         page = html.escape(self.application_context.url.rsplit("/", 1)[1])
         return f'<a href="./{page}">Open the experiment without parameters</a>.'
 
-    def refuse(self, status, title, text, again=0):
-        """Answer with a page that reports an error; again: s before the browser repeats the request."""
-        self.set_status(status)
-        self.set_header("Content-Security-Policy", NOTHING + self.frames)
-        more = f'<meta http-equiv="refresh" content="{again}">' if again else ""
-        self.body(REFUSAL.format(title=title, text=text, more=more), HTML)
-
-    def refuse_host(self, host):
-        host = html.escape(host)
-        text = f"The server does not answer under the name {host}. Use another name of it, or start it with"
-        self.refuse(403, "Not under this name", f"{text} <code>--allow-websocket-origin={host}</code>.")
+    head = get
 
 
 class Files(Plain):
@@ -198,6 +207,8 @@ class Metrics(Plain):
 
     def get(self):
         self.body(metrics.text(), "text/plain; version=0.0.4; charset=utf-8")
+
+    head = get
 
 
 class Liveness(Plain):

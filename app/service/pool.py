@@ -15,6 +15,7 @@ from threading import Condition, Event, Thread
 from time import monotonic
 from typing import Any
 
+from app.environment import CLUSTER, WORKERS
 from app.service import metrics, worker
 from app.service.fair_queue import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, FairQueue, Task
 from solver.isolated import Caller, Lost
@@ -33,7 +34,7 @@ PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by fa
 def default_size():
     """Return one worker per available core, at least two, so that an outdated slice never blocks a new one."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 2
-    return int(os.environ.get("APP_WORKERS", max(2, cores)))
+    return WORKERS or max(2, cores)
 
 
 @dataclass(eq=False)
@@ -263,11 +264,11 @@ class Pool:
 
 def made():
     """Return the pool that the environment variables select."""
-    if "APP_SCHEDULER" not in os.environ:
+    if CLUSTER is None:
         return Pool()
     from app.service.cluster import MOST_WORKERS, Cluster
 
-    return Pool(int(os.environ.get("APP_WORKERS", MOST_WORKERS)), make=Cluster(os.environ["APP_SCHEDULER"]))
+    return Pool(WORKERS or MOST_WORKERS, make=Cluster(CLUSTER))
 
 
 pool = made()

@@ -13,40 +13,45 @@ from contextlib import suppress
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
+from tornado.ioloop import IOLoop
 from tornado.websocket import WebSocketClosedError
 
-from app.hosts import NamedHost
+from app.environment import VISITORS
 from app.page import shared
 from app.service import metrics
 from app.session import orders
-from app.session.session import VISITORS, visitors
+from app.session.session import visitors
 
 log = logging.getLogger("app")
 LONGEST = 2 * orders.SMALL  # characters of a text in a message, such as an order without its file
 PARTS = 5  # of a message: header, metadata, content; for a file also its header and bytes
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
+SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
 CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event with an order
 
 connected = set()  # ids of the sessions whose browsers are connected
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
-def is_full():
-    """Whether the maximum number of browsers is connected; if so, count a rejection."""
+def is_full(peer):
+    """Whether the maximum number of browsers is connected; if so, count a rejection of this address."""
     if len(connected) < VISITORS:
         return False
     metrics.count("rejected_visits")
-    log.info("class full: a visitor was rejected")
+    log.info("class full: a visitor was rejected", extra={"peer": peer})
     return True
 
 
-class MessageFilter(NamedHost, WSHandler):
+class MessageFilter(WSHandler):
     """The websocket of one visitor."""
 
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
-        self.parts, self.name, self.rejected = 0, None, False
+        self.parts, self.name, self.rejected, self.silent = 0, None, False, True
+
+    def set_default_headers(self):
+        self.clear_header("Server")
 
     def open(self, *where, **named):
         """Accept a browser with the token of its page, unless the server is full."""
@@ -56,9 +61,10 @@ class MessageFilter(NamedHost, WSHandler):
             name = get_session_id(self._token)
             if name in connected:
                 raise ValueError("a page has one browser")
-            if not is_full():
+            if not is_full(self.request.remote_ip):
                 self.name = name
                 connected.add(name)
+                IOLoop.current().call_later(SILENT, self._end_if_silent)
                 return super().open(*where, **named)
             self.close(TRY_LATER)
         except Exception as error:  # a forged token may raise anything
@@ -80,8 +86,13 @@ class MessageFilter(NamedHost, WSHandler):
         """Close the connection and log one line, without a traceback."""
         self.rejected = True  # further messages are ignored
         metrics.count("rejected_messages")
-        log.info("a browser was rejected: %s", type(error).__name__)
+        log.info("a browser was rejected: %s", type(error).__name__, extra={"peer": self.request.remote_ip})
         self.close(TRY_LATER)
+
+    def _end_if_silent(self):
+        """Give up a browser without a message: it must not keep others out."""
+        if self.silent and self.name in connected:
+            self._reject(TimeoutError())
 
     @property
     def _session(self):
@@ -103,6 +114,7 @@ class MessageFilter(NamedHost, WSHandler):
             if message is not None:
                 self.parts = 0
                 given = _orders(message)
+                self.silent = False
         except Exception as error:
             return self._reject(error)
         if message is not None and self._session is not None:

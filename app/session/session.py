@@ -1,7 +1,6 @@
 """The session of a visitor: runs the orders of the browser, and publishes the status of the run."""
 
 import logging
-import os
 
 from bokeh.document.events import MessageSentEvent
 
@@ -20,7 +19,6 @@ from app.session.share import Share
 from solver import SceneError
 
 log = logging.getLogger("app")
-VISITORS = int(os.environ.get("APP_VISITORS", 60))  # connected at a time, at most
 visitors = set()  # sessions of this process; Panel's own count is late
 
 

@@ -45,6 +45,7 @@ class Visit:
         self.session, self.obeyed, self.closed = session, [], []
         self.filter = message_filter.MessageFilter.__new__(message_filter.MessageFilter)
         self.filter.parts, self.filter.name, self.filter.rejected = 0, None, False
+        self.filter.request = SimpleNamespace(remote_ip="192.0.2.9")
         self.filter.receiver = Receiver(Protocol())
         server = SimpleNamespace(document=session.doc, with_document_locked=self._locked)
         self.filter.connection = SimpleNamespace(session=server)

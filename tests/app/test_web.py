@@ -7,17 +7,22 @@ import json
 import logging
 import random
 import re
+import socket
 import sys
 import threading
+import time
 import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from bokeh.application import Application
 from bokeh.application.handlers import FunctionHandler
 from bokeh.document import Document
 from bokeh.server import server, urls
+from bokeh.server.views.ws import WSHandler
 from bokeh.util.token import get_token_payload
 from panel.io.server import get_static_routes
 from panel.io.state import set_curdoc
@@ -138,13 +143,23 @@ def test_a_too_long_address_is_answered_with_414(address):
     assert status == 414 and b"address is too long" in body and b'href="./app"' in body
 
 
+def logged(caplog, text):
+    """Return the log records with a text once there is one: a request is logged after its answer."""
+    until = time.monotonic() + 60.0
+    while not (found := [each for each in caplog.records if text in each.getMessage()]) and time.monotonic() < until:
+        time.sleep(0.01)
+    return found
+
+
 FOREIGN = "rebound.example:5006"
 
 
 def test_a_page_under_a_foreign_host_name_explains_how_to_allow_it(address, monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "app")
     status, _, body = get(f"{address}/app", Host=FOREIGN)
     assert status == 403 and b"token" not in body
-    assert all(f"--allow-websocket-origin={FOREIGN}" in text for text in (body.decode(), caplog.text))
+    (record,) = logged(caplog, f"the host {FOREIGN} was refused")
+    assert all(f"--allow-websocket-origin={FOREIGN}" in text for text in (body.decode(), record.message))
     for allowed in (FOREIGN, "rebound.example"):
         monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", allowed)
         assert get(f"{address}/app", Host=FOREIGN)[0] == 200
@@ -173,6 +188,89 @@ async def connected(address, headers):
         return error.code
     socket.close()
     return 101
+
+
+@pytest.mark.parametrize("name", ["app", "app/static/style.css", "metrics", "liveness", "static/js/bokeh.min.js", "no"])
+def test_no_route_answers_under_a_foreign_host_name(address, name, caplog):
+    caplog.set_level(logging.INFO, "app")
+    assert get(f"{address}/{name}", Host=FOREIGN)[0] == 403
+    (record,) = logged(caplog, f"the host {FOREIGN} was refused")  # one line, with the address of the client
+    assert (record.peer, record.status, record.path) == ("127.0.0.1", 403, f"/{name}")
+
+
+def test_bokeh_is_not_asked_about_the_origin_of_its_own_page(address, monkeypatch):
+    """When it is asked again, `app/hosts.py` may be unnecessary."""
+    asked = []
+    monkeypatch.setattr(WSHandler, "check_origin", lambda self, origin: not asked.append(origin))
+    token, host = tokens(get(f"{address}/app")[2]), address.removeprefix("http://")
+    headers = {"Host": host, "Origin": address, "Sec-WebSocket-Protocol": f"bokeh, {token}"}
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(asyncio.run, connected(f"ws://{host}/app/ws", headers)).result(60.0) == 101
+    assert asked == []
+
+
+@pytest.mark.parametrize("method", ["GET", "HEAD", "POST", "PUT", "BREW"])
+@pytest.mark.parametrize("name", ["", "app", "app/ws", "app/static/style.css", "metrics", "liveness", "components/x"])
+def test_every_method_is_answered_without_the_name_of_the_server(address, method, name):
+    asked = http.client.HTTPConnection(address.removeprefix("http://"), timeout=60)
+    asked.request(method, f"/{name}")
+    answer = asked.getresponse()
+    body = answer.read()
+    asked.close()
+    assert answer.headers["Server"] is None
+    if method == "HEAD" and name != "app/ws":
+        asked.request("GET", f"/{name}")
+        assert answer.status == asked.getresponse().status and not body
+        asked.close()
+
+
+def exchange(address, text):
+    """Send bytes, and return what the server answers until it closes the connection."""
+    host, port = address.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=60) as connection, suppress(ConnectionError):
+        connection.sendall(text)
+        return b"".join(iter(lambda: connection.recv(65536), b""))
+
+
+@pytest.mark.parametrize("path", ["app", "app/static/style.css", "metrics", "nothing"])
+@pytest.mark.parametrize("kind", ["Content-Length: 65537\r\n\r\n", "Transfer-Encoding: chunked\r\n\r\n11000\r\n"])
+def test_a_long_body_is_refused_before_it_is_read(address, path, kind):
+    answer = exchange(address, f"POST /{path} HTTP/1.1\r\nHost: localhost\r\n{kind}".encode())
+    assert answer.startswith(b"HTTP/1.1 400 ") and b"Server" not in answer
+
+
+def test_half_sent_bodies_and_headers_are_closed_after_a_time(address, monkeypatch):
+    monkeypatch.setattr(routes, "BODY_TIME", 0.1)
+    monkeypatch.setattr(routes, "IDLE", 0.1)
+    assert exchange(address, b"POST /app HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\nx") == b""
+    assert exchange(address, b"GET /app HT") == b""
+    assert exchange(address, b"") == b""
+
+
+def test_a_silent_connection_does_not_keep_visitors_out(address, monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "app")
+    monkeypatch.setattr(message_filter, "SILENT", 0.2)
+    monkeypatch.setattr(message_filter, "VISITORS", 1)
+    monkeypatch.setattr(message_filter, "connected", set())
+    token = tokens(get(f"{address}/app")[2])
+
+    async def close_code():
+        headers = {"Host": "localhost", "Sec-WebSocket-Protocol": f"bokeh, {token}"}
+        made = await websocket_connect(HTTPRequest(f"{address.replace('http', 'ws')}/app/ws", headers=headers))
+        while await made.read_message() is not None:
+            pass  # the server acknowledges the connection
+        return made.close_code
+
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(asyncio.run, close_code()).result(60.0) == message_filter.TRY_LATER
+    assert get(f"{address}/app")[0] == 200
+    (record,) = logged(caplog, "rejected")
+    assert "TimeoutError" in record.message and record.peer == "127.0.0.1"
+
+
+def test_a_page_that_was_opened_before_the_lesson_still_connects(address):
+    payload = get_token_payload(tokens(get(f"{address}/app")[2]))
+    assert payload["session_expiry"] - time.time() > 3500
 
 
 def test_security_headers_restrict_sources_and_framing(address, monkeypatch):
@@ -308,10 +406,15 @@ def test_log_records_are_one_line_of_keys_and_values():
 
 def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     caplog.set_level(logging.INFO, "app")
+    monkeypatch.chdir(Path(page.__file__).parents[1])
     monkeypatch.setattr(server_log, "addresses", lambda: ["192.0.2.7"])
     monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)
     server_log.log_addresses(["serve", "app", "--port", "5007"])
-    assert "--address 0.0.0.0 --port 5007 --allow-websocket-origin=192.0.2.7:5007" in caplog.messages[-1]
+    command = "panel serve app --address 0.0.0.0 --port 5007 --allow-websocket-origin 192.0.2.7:5007"
+    assert caplog.messages[-1] == f"for a class at http://192.0.2.7:5007/app start it by: {command}"
+    monkeypatch.chdir("/")  # where the package is installed from a wheel, the app is elsewhere
+    server_log.log_addresses(["serve", "site-packages/app"])
+    assert f"panel serve {Path(page.__file__).parent} --address" in caplog.messages[-1]
     server_log.log_addresses(["serve", "app", "--port=5007", "--allow-websocket-origin", "192.0.2.7:5007"])
     assert caplog.messages[-1] == "visitors open http://192.0.2.7:5007/app"
     monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example")

@@ -66,10 +66,21 @@ def test_page_explains_a_refused_websocket_and_shows_the_servers_reason(server, 
     page.clock.run_for(9_000)
     assert page.locator("#lost").is_hidden()
     page.clock.run_for(2_000)
-    page.get_by_role("alert").filter(has_text="its websocket does not open").wait_for()
+    page.get_by_role("alert").filter(has_text="the websocket does not open").wait_for()
     page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
     page.get_by_role("button", name="Try now").click()
     page.get_by_text("The class is full").wait_for()
+    page.close()
+
+
+def test_page_names_a_script_that_failed_before_the_connection(server, browser):
+    page = patient(browser.new_page())
+    page.clock.install()
+    page.route("**/js/main.js*", lambda route: route.abort())
+    with page.expect_event("pageerror"):
+        page.goto(server.address)
+    page.clock.run_for(11_000)
+    page.get_by_role("alert").filter(has_text="a script of the page failed").wait_for()
     page.close()
 
 

@@ -146,7 +146,6 @@ class Server:
             self.port = probe.getsockname()[1]
         command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
         command += ["--address", "127.0.0.1", "--allow-websocket-origin", f"localhost:{self.port}"]
-        command += ["--websocket-max-message-size", "5000000"]
         room = os.environ | {"APP_VISITORS": "400"}
         piped = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
         self.process = subprocess.Popen(command, cwd=ROOT, env=room, **piped)

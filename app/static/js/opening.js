@@ -4,15 +4,27 @@ import { by, on } from "./dom.js"
 
 const PATIENCE = 10_000 // ms until the visitor reads why there is nothing yet
 
+const faults = [] // of scripts, and of files that a script needs
+const note = (event) => faults.push(event.reason?.message ?? event.message ?? event.target.src ?? event.target.href)
+addEventListener("error", note, true)
+addEventListener("unhandledrejection", note)
+
 const late = setTimeout(async () => {
   const answer = await fetch(location.href, { cache: "no-store" }).catch(() => null)
   if (answer && !answer.ok) location.reload() // to the server's page that says why
-  else warn("Not connected:", "the page has come, but its websocket does not open. A proxy may block it. ", () =>
-    location.reload())
+  else warn("Not connected:", causeOf(answer), () => location.reload())
 }, PATIENCE)
+
+function causeOf(answer) {
+  if (!answer) return "the server does not answer. "
+  if (faults.length) return `a script of the page failed (${faults[0]}). `
+  return "the websocket does not open. A proxy may block it. "
+}
 
 export function opened() {
   clearTimeout(late)
+  removeEventListener("error", note, true)
+  removeEventListener("unhandledrejection", note)
   by("lost").hidden = true
 }
 
