@@ -1,4 +1,4 @@
-"""Closed forms, and where floating point itself limits; `python -m solver stability` prints both as tables."""
+"""Closed forms, and where floating point itself limits; `stability.py` prints both as tables."""
 
 import extended
 import mpmath

@@ -1,9 +1,11 @@
 """The stability atlas: its checks can fail, and a sample of its scenes passes."""
 
+import ast
 import os
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -79,6 +81,14 @@ REFUSED = (
 def test_values_out_of_range_are_rejected(point):
     with pytest.raises(SceneError):
         Scene(**scene_fields(**point))
+
+
+@pytest.mark.parametrize("name", ["extended", "recheck", "spectrum"])
+def test_references_import_only_the_data_of_a_run_from_the_solver(name):
+    tree = ast.parse((Path(__file__).parent / f"{name}.py").read_text(encoding="utf-8"))
+    modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    modules |= {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    assert {module for module in modules if module.startswith("solver")} == {"solver.scene", "solver.run.frame"}
 
 
 def test_the_recheck_agrees_with_a_good_frame(frame):
