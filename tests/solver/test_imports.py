@@ -61,6 +61,25 @@ def test_the_solver_does_not_know_the_app(path):
     assert '"app"' not in path.read_text()
 
 
+def messages(path):
+    """The texts of a module but docstrings."""
+    tree = ast.parse(path.read_text())
+    documented = [n for n in ast.walk(tree) if isinstance(n, ast.Module | ast.ClassDef | ast.FunctionDef)]
+    told = {id(n.body[0].value) for n in documented if n.body and isinstance(n.body[0], ast.Expr)}
+    return [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and id(n) not in told]
+
+
+def test_messages_of_the_library_do_not_name_options_of_the_command_line():
+    """`accuracy/report.py` prints a command."""
+    options = set(re.findall(r"--[a-z]+", "".join(path.read_text() for path in modules("cli"))))
+    assert {"--set", "--free", "--scheduler"} <= options
+    for path in modules("."):
+        if path.parent.name == "cli" or path.match("accuracy/report.py"):
+            continue
+        named = [text for text in messages(path) if isinstance(text, str) and options & set(text.split())]
+        assert not named, f"{path.name}: {named}"
+
+
 def lines():
     """{module or folder: number of its line} in the list of the solver's docstring."""
     text = solver.__doc__.split("below its own:\n")[1]
