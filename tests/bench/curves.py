@@ -5,7 +5,7 @@
 Sweeps the tolerance of one scene as `python -m solver accuracy` does, with mass-weighted GFMD and FIRE beside the
 paper's GFMD (tests/shared/transients.py). Then it compares states after each slip with those of the paper's GFMD from
 equilibrium to equilibrium (`Halving`). Slips whose landing is sensitive are left out: the transient itself bifurcates.
---picture draws the sweep: docs/accuracy.png.
+--picture draws the sweep, docs/accuracy.png, with the extra `docs`.
 """
 
 from dataclasses import asdict
