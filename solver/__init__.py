@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from .analysis.maps import Axis, Map, explored
     from .analysis.measurement import read_measurement
     from .analysis.sensitivities import sensitivities
+    from .analysis.toughness import release_rates, toughness
 
 __version__ = "0.1.0"
 __all__ = [
@@ -80,6 +81,7 @@ __all__ = [
     "load_path",
     "read_measurement",
     "read_profile",
+    "release_rates",
     "scene_from_text",
     "sensitivities",
     "simulate",
@@ -87,6 +89,7 @@ __all__ = [
     "skeleton_of",
     "summarize",
     "sweep",
+    "toughness",
     "whole_surface",
     "work_of",
 ]
@@ -96,7 +99,9 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "explored": "maps",
     "fit": "fit",
     "read_measurement": "measurement",
+    "release_rates": "toughness",
     "sensitivities": "sensitivities",
+    "toughness": "toughness",
 }
 
 
