@@ -91,6 +91,18 @@ COMMANDS = {
         " forms; round-off of each formula.",
         ("tests/validation/stability.py", "--quick"),
     ),
+    "mixed": Entry(
+        "Accuracy",
+        "Adhesion with shear against fracture mechanics",
+        "Contact width, its shift, J and Gamma of a bonded strip under load and shear, without a free parameter.",
+        ("tests/validation/mixed_mode.py",),
+    ),
+    "mutations": Entry(
+        "Accuracy",
+        "What this comparison notices",
+        "The same with one parameter changed, in the theory or in the run: is the error larger than allowed?",
+        ("tests/validation/mixed_mode.py", "--mutations"),
+    ),
     "jumps": Entry(
         "Robustness",
         "Jumps without an event",

@@ -17,7 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import erfcx
 
 from ..mechanics.cohesive_law import OPENING, tangent
+from ..run.frame import Frame
 from ..run.summary import fields_of
+from ..scene import Scene
 from .peeling import edges
 
 STEEPEST = radians(80.0)  # of psi: towards pure shear the cohesive zone grows without bound
@@ -39,7 +41,7 @@ class Edge(NamedTuple):
     psi: float  # rad, mode angle of the far field: 0 opening, towards pi/2 shear
 
 
-def toughness(scene, psi: ArrayLike) -> NDArray[np.float64]:
+def toughness(scene: Scene, psi: ArrayLike) -> NDArray[np.float64]:
     """The energy release rate at which an edge advances, N/m, at mode angles psi, rad; an array of the shape of psi.
 
     The law of Xu & Needleman with phi_t = phi_n has a potential: Gamma is phi_n. NP1 with c = 1 opens at a constant
@@ -119,7 +121,7 @@ def _spring(n, t, ratio, delta_t, opening):
     return T, np.array([across, [shear * t * (opening - factor) * e, shear * factor * (1.0 - 2.0 * q**2) * e]])
 
 
-def release_rates(frame) -> tuple[Edge, Edge]:
+def release_rates(frame: Frame) -> tuple[Edge, Edge]:
     """The trailing and the leading Edge of a contact in a Frame.
 
     From the middle of the contact outwards each mode has its own J: -int T_z d(gap) for opening, -int T_x du_x for
@@ -140,11 +142,11 @@ def release_rates(frame) -> tuple[Edge, Edge]:
     apart = np.stack((u[0], scene.profile[np.round(x / scene.spacing).astype(int)] + u[1]))
     stiffness = -tangent(scene, apart[0, middle], apart[1, middle])[[0, 3]]
     stored = 0.5 * T[:, middle] ** 2 / np.maximum(stiffness, np.finfo(float).tiny)
-    return tuple(_edge(at, stored, T[:, part], apart[:, part]) for at, part in _sides(where[0], middle))
-
-
-def _sides(where, middle):
-    return (where[0], slice(middle, None, -1)), (where[1], slice(middle, None))
+    left, right = slice(middle, None, -1), slice(middle, None)
+    return (
+        _edge(where[0, 0], stored, T[:, left], apart[:, left]),
+        _edge(where[0, 1], stored, T[:, right], apart[:, right]),
+    )
 
 
 def _edge(at, stored, T, apart):
