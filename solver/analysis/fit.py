@@ -22,34 +22,20 @@ from .partial import DRIVE, continuous
 from .prediction import AHEAD
 from .trial import AXES, NO_RUN, Model, TimeUp, Trial
 
-APART = 0.99  # correlation beyond which two parameters count as one: each has 7 times the error it has alone
+APART = 0.99  # correlation beyond which parameters count as one: each has 7 times the error it has alone
 VAGUE = 0.5  # standard error over value, beyond which a 95 % interval contains 0: the data do not determine it
 UNLIKELY = 5.0  # standard deviations of chi^2 above what noise makes, beyond which the curve does not fit
-TOO_GOOD = 0.25  # chi^2 that noise does not make: even of 40 points it is known to a third
 FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
 ALIKE = 1.0  # standard deviations of a point, by which an exact run may differ from a continued one
-PER_PERIOD = 12  # points, with which each slip shows as a drop at once (tests/bench/fit.py --sparse)
 PERIODS = 0.25  # relative difference, beyond which slips go on by another number of sites
-
-
-@dataclass(frozen=True)
-class FitOptions:
-    """How a fit searches."""
-
-    starts: int = 3  # the scene itself and random ones near it, as long as none fits
-    steps: int = 30  # trials from one start, at most: a search that converges takes some 6 (tests/bench/fit.py)
-    # optima from one start: each is compared with an exact run, and left from there if it differs. A search that has
-    # not settled after two such corrections goes to and fro
-    rounds: int = 4
-    # relative changes of the parameters and of chi^2 that end a search. With 400 points the latter is a change by 0.003
-    # standard errors
-    xtol: float = 1e-7
-    ftol: float = 1e-8
-    limit: float = 60.0  # s, of the whole fit: about as long as somebody waits
-    run_limit: float = 20.0  # s, of one exact run: 30 times that of the default scene
-
-
-USUAL = FitOptions()
+STEPS = 30  # trials of one search, at most: one that converges takes some 6 (tests/bench/fit.py)
+# Searches: each optimum is compared with an exact run, and the next search starts there if it differs. One that has not
+# settled after two such corrections goes to and fro.
+SEARCHES = 4
+# Relative changes of the parameters and of chi^2 that end a search. With 400 points the latter is a change by 0.003
+# standard errors.
+XTOL, FTOL = 1e-7, 1e-8
+LIMIT = 60.0  # s, of a fit: about as long as somebody waits
 
 
 @dataclass(frozen=True)
@@ -78,21 +64,22 @@ class Fit:
 
 
 class Optimum(NamedTuple):
-    """The best Trial of a Model from a start, and the sentence that limits its value, or ""."""
+    """The best Trial of a Model, and the sentence that limits its value, or ""."""
 
     model: Model
     trial: Trial
     caution: str = ""
 
 
-def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], options: FitOptions = USUAL) -> Fit:
-    """Fits parameters of a scene to a measured curve.
+def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit: float = LIMIT) -> Fit:
+    """Fits parameters of a scene to a measured curve, given all others.
 
     Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
-    `read_measurement`, or what that reads; free: names of continuous parameters, or of AXES; options: how it searches.
-    Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine.
+    `read_measurement`, or what that reads; free: names of continuous parameters, or of AXES; limit: time limit, s.
+    Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine, and about
+    given parameters that could explain the same curve.
     Raises ValueError for names that cannot be free, or none, and for an unusable file; NotFollowed, NotConverged or
-    SceneError where no start has a run, OutOfTime where none has one in time.
+    SceneError where the start has no run, OutOfTime where it has none in time.
 
     Example: `fit(Scene(), "measured.csv", ["phi_n"]).values`
     """
@@ -105,43 +92,24 @@ def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], optio
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
             raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
     longest = max(float(measured.U_x[-1]), scene.u_x_max)
-    if {"offset_U", "scale_U"} & set(free):  # points move along the curve
+    if "offset_U" in free:  # points move along the curve
         longest *= AHEAD
-    base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + options.limit
-    best = _best(Model(base, measured, tuple(free), options.run_limit, end), options)
+    base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + limit
+    best = _optimum(Model(base, measured, tuple(free), end), limit)
     if measured.slips and not _fits(best.trial) and perf_counter() < end:  # slips may be missed, or be none
-        uncut = Model(base, replace(measured, slips=()), tuple(free), options.run_limit, end)
-        best = min(best, _best(uncut, options), key=lambda optimum: _chi2(optimum.trial))
+        uncut = Model(base, replace(measured, slips=()), tuple(free), end)
+        best = min(best, _optimum(uncut, limit), key=lambda optimum: _chi2(optimum.trial))
     return _fit_of(best)
 
 
-def _best(model, options):
-    """The Optimum of a Model that fits, or else the best one of all starts; raises as `fit`."""
-    best, failure, rng = None, None, np.random.default_rng(1)
-    for number in range(max(1, options.starts)):
-        try:
-            optimum = _optimum(model, model.start(rng if number else None), options)
-        except NO_RUN as error:
-            failure = failure or error
-            continue
-        if best is None or optimum.trial.cost < best.trial.cost:
-            best = optimum
-        if _fits(best.trial) or perf_counter() > model.end:
-            break
-    if best is None:
-        raise failure
-    return best
-
-
-def _optimum(model, x, options):
-    """The Optimum from a start x: its Trial is one of an exact run, unless there is none."""
-    model.restart()
-    trial = None
+def _optimum(model, limit):
+    """The Optimum of a Model: its Trial is one of an exact run, unless there is none. Raises as `fit`."""
+    x, trial = model.start(), None
     try:
-        for _ in range(options.rounds):
+        for _ in range(SEARCHES):
             least_squares(
                 model.residuals, x, model.jacobian, model.bounds(),
-                x_scale=model.sizes(), max_nfev=options.steps, xtol=options.xtol, ftol=options.ftol,
+                x_scale=model.sizes(), max_nfev=STEPS, xtol=XTOL, ftol=FTOL,
             )  # fmt: skip
             trial = model.best
             x, exact = trial.x, model.exact(model.scene_of(trial.x))
@@ -156,8 +124,8 @@ def _optimum(model, x, options):
     except TimeUp:
         trial = model.best or trial
         if trial is None:
-            raise OutOfTime(f"no trial was computed within {options.limit:g} s; allow more, or raise E") from None
-        return Optimum(model, trial, f"stopped after {options.limit:g} s: the values are the best so far")
+            raise OutOfTime(f"no trial was computed within {limit:g} s; allow more, or raise E") from None
+        return Optimum(model, trial, f"stopped after {limit:g} s: the values are the best so far")
     return Optimum(model, trial, "the exact run at these values differs from the continued one; vary the start")
 
 
@@ -185,9 +153,8 @@ def _fit_of(optimum):
     if not reached:
         misfit = f"the best curve does not fit: chi^2 is {chi2:.3g} per degree of freedom"
         warnings.append(f"{misfit}; {_remedy(model, trial)}")
-    if chi2 < TOO_GOOD:
-        warnings.append(f"chi^2 is {chi2:.3g} per degree of freedom: the noise, and so the errors, are overestimated")
     warnings += _of_slips(model, trial) + _of_parameters(model, trial, errors, correlations)
+    warnings += _given(model, trial) if reached else []
     named = [dict(zip(model.free, map(float, numbers), strict=True)) for numbers in (trial.x, errors)]
     return Fit(*named, correlations, chi2, reached, model.runs, tuple(warnings), _rows(model, trial), trial.residuals)
 
@@ -216,37 +183,52 @@ def _remedy(model, trial):
     """What to do about a curve that does not fit."""
     period, apart = trial.predicted.skeleton.period, np.diff(model.intervals.mean(axis=0))
     if period and trial.predicted.slipping and apart.size:
-        measured, computed = float(np.median(apart)), period * trial.axes.scale_U
-        if abs(measured / computed - 1.0) > PERIODS:
-            return f"the data slip every {measured:.3g} nm, the curve every {computed:.3g} nm; vary E or phi_ratio"
+        measured = float(np.median(apart))
+        if abs(measured / period - 1.0) > PERIODS:
+            return f"the data slip every {measured:.3g} nm, the curve every {period:.3g} nm; vary E or phi_ratio"
     return "check units and noise, free other parameters, or vary the start"
 
 
 def _of_slips(model, trial):
-    """Warnings about slips that the data cannot show, or do not show."""
-    predicted, measured, warnings = trial.predicted, model.measured, []
-    period, spacing = predicted.skeleton.period, float(np.median(np.diff(measured.U_x)))
-    if period and period * trial.axes.scale_U < PER_PERIOD * spacing:
-        points = f"{period * trial.axes.scale_U / spacing:.2g} points on a period of {period:.3g} nm"
-        warnings.append(f"{points} are too few to recognise slips safely; measure {PER_PERIOD} or more")
-    count = predicted.count(JUMP * trial.noise * min(1.0, _chi2(trial)) ** 0.5)  # noise may be overestimated
-    if count > len(measured.slips):
-        used = f"{len(measured.slips)} of {count} predicted slips are recognised in the data and used"
-        warnings.append(f"{used}; compare the curves, or measure more densely")
-    return warnings
+    """A warning about predicted slips that the data do not show."""
+    measured, chi = model.measured, min(1.0, _chi2(trial)) ** 0.5  # noise may be overestimated
+    count = trial.predicted.count(JUMP * trial.noise * chi)
+    if count <= len(measured.slips):
+        return []
+    used = f"{len(measured.slips)} of {count} predicted slips are recognised in the data and used"
+    return [f"{used}; compare the curves, or measure more densely"]
 
 
 def _of_parameters(model, trial, errors, correlations):
     """Warnings about parameters that the data do not determine."""
     free, x, (low, high), warnings = model.free, trial.x, model.bounds(), []
     size = np.linalg.norm(trial.jacobian, axis=0)
+    at_end = np.minimum(x - low, high - x) <= 1e-9 * np.maximum(1.0, np.abs(x))  # scipy stays 1e-10 of it inside
     for i, name in enumerate(free):
-        if size[i] <= 1e-300 or (errors[i] > VAGUE * abs(x[i]) and name not in ("offset_U", "offset_F", "delta_bar")):
-            warnings.append(f"the data do not determine {name}: {x[i]:.3g} +- {errors[i]:.2g}; fix it, or measure more")
-        if min(x[i] - low[i], high[i] - x[i]) <= 1e-9 * max(1.0, abs(x[i])):  # scipy stays 1e-10 of it inside
-            warnings.append(f"{name} = {x[i]:.4g} is at the end of its range; its error means nothing")
+        vague = errors[i] > VAGUE * abs(x[i]) and name not in ("offset_U", "offset_F", "delta_bar")
+        if vague or at_end[i] or size[i] <= 1e-300:
+            found = f"{x[i]:.4g} +- {errors[i]:.2g}" + ", at the end of its range" * bool(at_end[i])
+            warnings.append(f"the data do not determine {name}: {found}; fix it, or measure more")
         for j in range(i):
             if abs(correlations[i, j]) > APART:
                 pair = f"{free[j]} and {name} cannot be told apart: correlation {correlations[i, j]:.3f}"
                 warnings.append(f"{pair}; fix one of them, their errors mean little")
     return warnings
+
+
+def _given(model, trial):
+    """A warning about fixed parameters that change the curve nearly as the free ones do: a wrong value stays hidden."""
+    scene, n = trial.predicted.skeleton.scene, len(model.free)
+    fixed = tuple(name for name in continuous(scene) if name not in model.free)
+    x = np.array([*trial.x, *(getattr(scene, name) for name in fixed)])
+    try:
+        slopes = Model(scene, model.measured, model.free + fixed).trial(x, trial.predicted.skeleton).jacobian
+    except NO_RUN:  # these derivatives are a check only
+        return []
+    slopes /= np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    along = slopes[:, :n] @ np.linalg.lstsq(slopes[:, :n], slopes[:, n:], rcond=FLAT)[0]
+    alike = [name for name, share in zip(fixed, np.linalg.norm(along, axis=0), strict=True) if share > APART]
+    if not alike:
+        return []
+    values = ", ".join(f"{name} = {getattr(scene, name):.4g}" for name in alike)
+    return [f"given {values}: another value changes the curve nearly as the free parameters do; make sure of it"]

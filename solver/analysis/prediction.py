@@ -16,7 +16,7 @@ BESIDE = 5e-4  # of t, for a derivative by it: the error is the square, and roun
 # of the largest drop of F, below 1 so that it is visible itself: where all drops are too small to be visible, they may
 # grow in later trials
 PART = 0.9
-# times the measured range, up to which slips are listed: scale_U or parameters move them into and out of the range. A
+# times the measured range, up to which slips are listed: offset_U or parameters move them into and out of the range. A
 # trial beyond is rejected as one with too few slips
 AHEAD = 2.0
 

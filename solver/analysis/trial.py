@@ -1,5 +1,6 @@
 """A trial of a fit: residuals of the predicted curve over the noise of the data, with their derivatives."""
 
+from math import inf
 from time import perf_counter
 from typing import NamedTuple
 
@@ -12,26 +13,25 @@ from ..following.from_run import skeleton_of
 from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..scene import LIMITS, Scene, SceneError
+from ..text import counted
 from .measurement import Measurement
 from .outputs import NAMES
 from .prediction import Predicted
 from .sensitivities import sensitivities
 
 Floats = NDArray[np.float64]
-SCALES = (0.1, 10.0)  # range of scale_U and scale_F: a factor beyond is a wrong unit
-PERIOD = {"scale_U", "width"}  # parameters that change the distance between slips
+SCALES = (0.1, 10.0)  # range of scale_F: a factor beyond is a wrong unit
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
-APART_BY = 1.5  # largest factor between the first start and a random one: from so far, fits reach the truth
 # factor on the last residuals, for a trial without a run: where residuals grow, the optimiser goes back, and a quarter
 # as far. Any factor well above 1 does so
 WORSE = 10.0
+RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
 
 
 class Axes(NamedTuple):
-    """measured U_x = scale_U U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar."""
+    """measured U_x = U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar."""
 
-    scale_U: float = 1.0
     offset_U: float = 0.0
     scale_F: float = 1.0
     offset_F: float = 0.0
@@ -68,12 +68,12 @@ class Trial(NamedTuple):
 class Model:
     """Residuals and derivatives as functions of the free parameters; each run is continued from the last one.
 
-    scene: values of the other parameters. limit: s for one run from its start; end: time (perf_counter) after which
-    TimeUp is raised. best: the Trial of least cost since `restart`; runs: trials computed so far.
+    scene: values of the other parameters. end: time (perf_counter) after which TimeUp is raised. best: the Trial of
+    least cost since `restart`; runs: trials computed so far.
     """
 
-    def __init__(self, scene: Scene, measured: Measurement, free: tuple[str, ...], limit: float, end: float):
-        self.scene, self.measured, self.free, self.limit, self.end = scene, measured, free, limit, end
+    def __init__(self, scene: Scene, measured: Measurement, free: tuple[str, ...], end: float = inf):
+        self.scene, self.measured, self.free, self.end = scene, measured, free, end
         self.physical = tuple(name for name in free if name not in AXES)
         k, cuts = measured.U_x.size, np.array(measured.slips, int)
         self.kept = np.ones(k, bool)
@@ -87,21 +87,16 @@ class Model:
         """Forget the trials so far; the next one is continued from `skeleton`, or run from its start."""
         self.best, self.last, self.skeleton = None, None, skeleton
 
-    def start(self, rng: np.random.Generator | None = None) -> Floats:
-        """Parameters x (n,) of the scene, or random ones within a factor APART_BY of them."""
-        x = np.array([self._first(name) for name in self.free])
-        if rng is not None:
-            factor = APART_BY ** rng.uniform(-1.0, 1.0, x.size)
-            pressed = SIZES["delta_bar"] * np.log(factor) * (np.array(self.free) == "delta_bar")
-            x = np.where(x != 0.0, x * factor, pressed)
-        return np.clip(x, *self.bounds())
+    def start(self) -> Floats:
+        """Parameters x (n,) of the scene."""
+        return np.clip([self._first(name) for name in self.free], *self.bounds())
 
     def _first(self, name):
         return getattr(Axes() if name in AXES else self.scene, name)
 
     def bounds(self) -> Floats:
         """(lowest (n,), highest (n,))."""
-        free = {"scale_U": SCALES, "scale_F": SCALES, "offset_U": (-np.inf, np.inf), "offset_F": (-np.inf, np.inf)}
+        free = {"scale_F": SCALES, "offset_U": (-np.inf, np.inf), "offset_F": (-np.inf, np.inf)}
         return np.array([free.get(name) or (LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
 
     def sizes(self) -> Floats:
@@ -152,22 +147,22 @@ class Model:
         """The Skeleton of a scene from a run within the time that is left; raises as `skeleton_of`, and TimeUp."""
         left = self.end - perf_counter()
         try:
-            return skeleton_of(scene, min(self.limit, left))
+            return skeleton_of(scene, min(RUN_LIMIT, left))
         except OutOfTime:
-            if left < self.limit:
+            if left < RUN_LIMIT:
                 raise TimeUp from None
             raise
 
     def trial(self, x: Floats, skeleton: Skeleton) -> Trial:
         """The Trial of parameters x whose run is `skeleton`; raises NotFollowed where it slips too few times."""
         axes = Axes(**{name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES})
-        U_x = (self.measured.U_x - axes.offset_U) / axes.scale_U
+        U_x = self.measured.U_x - axes.offset_U
         unit = axes.scale_F * self._unit(skeleton, "F_bar")
         start, reach = float(U_x[0]), float(U_x[-1])
         predicted = Predicted(sensitivities(skeleton, self.physical), self.measured.seen / unit, start, reach)
         curve = predicted.curve(U_x[self.kept], self.segment[self.kept], self.physical)
-        parts = [self._quantity(k, curve, skeleton, axes, U_x) for k, name in enumerate(NAMES) if name in self.names]
-        parts.append(self._slips(predicted, axes))
+        parts = [self._quantity(k, curve, skeleton, axes) for k, name in enumerate(NAMES) if name in self.names]
+        parts.append(self._slips(predicted, axes.offset_U))
         residuals, rows = zip(*parts, strict=True)
         noise = self.measured.noise["F_bar"] / unit
         return Trial(x.copy(), np.concatenate(residuals), np.vstack(rows), predicted, axes, noise)
@@ -184,7 +179,7 @@ class Model:
             return scene.width / measured.width if measured.width else 1.0
         return scene.width * scene.E / measured.unit if measured.unit else 1.0
 
-    def _quantity(self, k, curve, skeleton, axes, U_x):
+    def _quantity(self, k, curve, skeleton, axes):
         """(residuals (points,), derivatives (points, n)) of F_bar, L_bar or A_bar, number k."""
         name, values, slopes = NAMES[k], curve.values[k], curve.slopes[k]
         scaled = axes.scale_F if name == "F_bar" else 1.0
@@ -193,25 +188,25 @@ class Model:
         if self.measured.width if name == "A_bar" else self.measured.unit:  # N/m and nm grow with these
             grow = {"width"} if name == "A_bar" else {"E", "width"}
             by |= {own: by[own] + gain * values / getattr(skeleton.scene, own) for own in grow & by.keys()}
-        by |= {"scale_U": -gain * slopes * U_x[self.kept] / axes.scale_U, "offset_U": -gain * slopes / axes.scale_U}
+        by["offset_U"] = -gain * slopes
         if name == "F_bar":
             by |= {"scale_F": gain / axes.scale_F * values, "offset_F": np.ones(values.size)}
         noise, offset = self.measured.noise[name], axes.offset_F if name == "F_bar" else 0.0
         residuals = gain * values + offset - self.measured.values[name][self.kept]
         return residuals / noise, self._columns(by, values.size) / noise
 
-    def _slips(self, predicted, axes):
+    def _slips(self, predicted, offset):
         """(residuals (slips,), derivatives (slips, n)) of the loads of slips; zero while no slip is visible."""
         count = self.intervals.shape[1]
         if not predicted.slipping:  # the points of the curve lead on
             return np.zeros(count), np.zeros((count, len(self.free)))
         slips = predicted.slips(count, self.physical)
         if slips.loads.size < count:
-            raise NotFollowed(f"{slips.loads.size} predicted slips, {count} measured")
-        by = dict(zip(self.physical, axes.scale_U * slips.by, strict=True))
-        by |= {"scale_U": slips.loads, "offset_U": np.ones(count)}
-        loads, errors = self._located(slips.branch, axes.scale_U * slips.moved)
-        return (axes.scale_U * slips.loads + axes.offset_U - loads) / errors, self._columns(by, count) / errors[:, None]
+            predicted = f"{counted(slips.loads.size, 'predicted slip')}, {count} measured"
+            raise NotFollowed(f"{predicted}; start from a scene that slips as often: vary E, phi_ratio or delta_bar")
+        by = dict(zip(self.physical, slips.by, strict=True)) | {"offset_U": np.ones(count)}
+        loads, errors = self._located(slips.branch, slips.moved)
+        return (slips.loads + offset - loads) / errors, self._columns(by, count) / errors[:, None]
 
     def _located(self, branch, moved):
         """(measured loads of slips (n,) nm, their standard deviations (n,) nm).
@@ -220,7 +215,7 @@ class Model:
         `branch` (n,), have one load modulo that, inside all their intervals.
         """
         loads, errors = self.intervals.mean(axis=0), UNIFORM * np.ptp(self.intervals, axis=0)
-        for k in np.unique(branch) if not PERIOD & set(self.free) else ():
+        for k in np.unique(branch) if "width" not in self.free else ():
             mine = branch == k
             low, high = (self.intervals[0, mine] - moved[mine]).max(), (self.intervals[1, mine] - moved[mine]).min()
             if low < high:

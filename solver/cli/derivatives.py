@@ -7,7 +7,7 @@ from typing import Any
 from .. import plots, skeleton_of
 from ..analysis import fit as fits
 from ..analysis import sensitivities as analysis
-from ..analysis.fit import USUAL, FitOptions
+from ..analysis.fit import LIMIT
 from ..analysis.measurement import read_measurement
 from ..analysis.trial import AXES
 from ..files import write_json, write_rows
@@ -28,8 +28,8 @@ UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong t
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
     (True, True): "The curve fits the data, and the data determine the parameters.",
     (True, False): "The curve fits the data. The cautions name what limits this result.",
-    (False, True): "No starting point led to a curve within the noise.",
-    (False, False): "No starting point led to a curve within the noise. The cautions name possible reasons.",
+    (False, True): "The search found no curve within the noise.",
+    (False, False): "The search found no curve within the noise. The cautions name possible reasons.",
 }
 
 
@@ -84,18 +84,16 @@ def add_fit(commands: Any) -> None:
     parser.add_argument("file", metavar="FILE", help=columns)
     free = f"continuous parameters of the scene, or of the measurement: {', '.join(AXES)}"
     parser.add_argument("--free", nargs="+", required=True, metavar="NAME", help=free)
-    starts, limit = "number of starting points, default %(default)s", "time limit in all, default %(default)g"
-    parser.add_argument("--starts", type=within(1), default=USUAL.starts, metavar="N", help=starts)
     add_plot(parser, "data, fitted curve and residuals")
-    parser.add_argument("--limit", type=within(0.0, kind=float), default=USUAL.limit, metavar="SECONDS", help=limit)
+    limit = "time limit, default %(default)g"
+    parser.add_argument("--limit", type=within(0.0, kind=float), default=LIMIT, metavar="SECONDS", help=limit)
 
 
 def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
-    options = FitOptions(starts=arguments.starts, limit=arguments.limit)
     try:
         measured = read_measurement(arguments.file, scene)
-        result = fits.fit(scene, measured, arguments.free, options)
+        result = fits.fit(scene, measured, arguments.free, arguments.limit)
     except ValueError as error:  # MeasurementError among them
         raise InputError(str(error)) from None
     for note in measured.notes:

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from solver import NotConverged, NotFollowed, Scene, SceneError, follow, skeleton_of
-from solver.analysis.fit import FitOptions, fit
+from solver.analysis.fit import fit
 from solver.analysis.measurement import Measurement
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -154,7 +154,7 @@ def main():
     arguments = parser.parse_args()
     base, rng = skeleton_of(BASE), np.random.default_rng(2)
     data = measured(base, arguments.points, rng)
-    fit(BASE, data, FREE, FitOptions(starts=1))  # compiled, before anything is timed
+    fit(BASE, data, FREE)  # compiled, before anything is timed
     start = time.perf_counter()
     found = fit(moved(BASE, 0.2, rng, signs_only=True), data, FREE)
     seconds = time.perf_counter() - start

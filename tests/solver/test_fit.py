@@ -5,8 +5,8 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from solver import NotConverged, Scene, simulate, skeleton_of
-from solver.analysis.fit import FitOptions, fit
+from solver import NotConverged, NotFollowed, Scene, simulate, skeleton_of
+from solver.analysis.fit import fit
 from solver.analysis.measurement import Measurement, MeasurementError, noise_of, read_measurement
 from solver.analysis.trial import Model
 
@@ -49,17 +49,17 @@ def test_a_smooth_wave_is_not_mistaken_for_noise():
 
 
 def test_slips_at_a_known_distance_share_one_load(skeleton):
-    """Their residuals are equal; with a free scale, and so an unknown distance, each has its own."""
+    """Their residuals are equal; with a free width, and so an unknown distance, each has its own."""
     data = measured(skeleton, load=True)
-    for free, alike in ((("phi_n",), True), (("phi_n", "scale_U"), False)):
-        model = Model(SMALL, data, free, 20.0, np.inf)
-        off = model.residuals(model.start(None))[-len(data.slips) :]
+    for free, alike in ((("phi_n",), True), (("phi_n", "width"), False)):
+        model = Model(SMALL, data, free)
+        off = model.residuals(model.start())[-len(data.slips) :]
         assert (np.ptp(off) < 1e-6) == alike
 
 
 def test_a_fit_recovers_two_parameters_from_another_start(skeleton):
     result = fit(SMALL.changed(E=36.0, delta_bar=0.08), measured(skeleton, load=True), ("delta_bar", "E"))
-    assert result.reached and result.warnings == ()
+    assert result.reached and all(sentence.startswith("given phi_n = 2") for sentence in result.warnings)
     for name in ("delta_bar", "E"):  # four standard errors: by chance once in 16,000
         assert abs(result.values[name] - getattr(SMALL, name)) < 4.0 * result.errors[name]
         assert 0.0 < result.errors[name] < 0.1 * getattr(SMALL, name)
@@ -110,42 +110,50 @@ def test_slips_show_at_eight_points_a_period(noise):
     assert all(low <= load <= high for (low, high), load in zip(intervals, loads, strict=True))
 
 
-@pytest.mark.once
-@pytest.mark.parametrize("per_period", [3.0, 4.5])
-@pytest.mark.parametrize("noise", [0.0, 0.01])
-def test_a_fit_of_few_points_a_period_is_right_and_warns(per_period, noise):
-    """To 1 %, while it starts 20 % off; before slips of sparse data were recognised, it stayed some 20 % off."""
-    data = measured(skeleton_of(WIDE), points=round(per_period * WIDE.u_x_max / WIDE.spacing), noise=noise)
-    result = fit(WIDE.changed(phi_ratio=1.2 * WIDE.phi_ratio), data, ("phi_ratio",))
-    assert result.values["phi_ratio"] == pytest.approx(WIDE.phi_ratio, rel=0.01)
-    assert any("too few" in sentence for sentence in result.warnings)
-
-
 def test_predicted_slips_that_the_data_do_not_show_raise_a_warning():
     result = fit(WIDE, measured(skeleton_of(WIDE), points=18, noise=0.0), ("phi_ratio",))
     assert any(sentence.startswith("0 of 6 predicted slips") for sentence in result.warnings)
 
 
 @pytest.mark.thorough
-def test_a_fit_restarts_from_an_exact_run_where_slips_skip_sites():
-    """The truth slips by two sites and the start by one, which continued runs keep; noise-free, so to 0.1 %."""
+@pytest.mark.parametrize(("factor", "sites"), [(0.7, 1), (1.3, 2)])
+def test_a_fit_reaches_slips_over_two_sites_or_names_the_distance_of_slips(factor, sites):
+    """The truth slips by two sites. Continued runs keep the one site of a start; noise-free, so to 0.1 %."""
     truth = SMALL.changed(E=11.33, delta_bar=0.025, phi_ratio=1.6, u_x_max=30.0, damping=0.5, du_x=0.1, du_z=0.1)
-    start = truth.changed(E=0.7 * truth.E)
+    start = truth.changed(E=factor * truth.E)
     skeleton = skeleton_of(truth)
-    assert (skeleton.sites, skeleton_of(start).sites) == (2, 1)
+    assert (skeleton.sites, skeleton_of(start).sites) == (2, sites)
     result = fit(start, measured(skeleton, points=400, noise=0.0), ("E",))
-    assert result.reached and result.values["E"] == pytest.approx(truth.E, rel=1e-3)
+    if sites == 2:
+        assert result.reached and result.values["E"] == pytest.approx(truth.E, rel=1e-3)
+    else:
+        assert not result.reached and "the data slip every 5.02 nm, the curve every 2.5 nm" in result.warnings[0]
 
 
-@pytest.mark.once
-@pytest.mark.parametrize("factor", [0.1, 10.0])
-def test_a_chi_squared_far_from_one_raises_a_warning(skeleton, factor):
-    """The noise of the data is known too small or too large by that factor, and chi^2 by its square."""
+def test_a_chi_squared_far_above_one_raises_a_warning(skeleton):
+    """The noise of the data is known too small by a factor of 10, so chi^2 is 100 times too large."""
     data = measured(skeleton)
-    data = Measurement.of(data.U_x, data.values, {"F_bar": factor * data.noise["F_bar"]})
-    result = fit(SMALL, data, ("phi_n",), FitOptions(starts=1))
-    assert result.chi2 == pytest.approx(factor**-2.0, rel=0.5) and result.reached == (factor > 1.0)
-    assert any("chi^2 is" in sentence for sentence in result.warnings)
+    data = Measurement.of(data.U_x, data.values, {"F_bar": 0.1 * data.noise["F_bar"]})
+    result = fit(SMALL, data, ("phi_n",))
+    assert result.chi2 == pytest.approx(100.0, rel=0.5) and not result.reached
+    assert "chi^2 is" in result.warnings[0]
+
+
+def test_a_fit_with_a_wrong_fixed_parameter_names_it():
+    """The truth has phi_ratio = 0.8. The curve fits with phi_n 90 standard errors off, as only phi_t shows in F."""
+    data = measured(skeleton_of(SMALL.changed(phi_ratio=0.8)))
+    result = fit(SMALL, data, ("phi_n",))
+    assert result.reached and abs(result.values["phi_n"] - SMALL.phi_n) > 50.0 * result.errors["phi_n"]
+    assert any("given " in sentence and "phi_ratio = 1" in sentence for sentence in result.warnings)
+
+
+def test_a_fit_of_an_instrument_constant_depends_on_no_other_parameter(skeleton):
+    assert fit(SMALL, measured(skeleton), ("scale_F",)).warnings == ()
+
+
+def test_a_start_that_slips_too_rarely_is_reported_with_a_remedy(skeleton):
+    with pytest.raises(NotFollowed, match=r"^1 predicted slip, 3 measured; start from a scene that slips as often"):
+        fit(SMALL.changed(phi_ratio=8.0, u_x_max=30.0), measured(skeleton), ("phi_ratio",))
 
 
 def test_a_constant_force_is_rejected():
@@ -156,7 +164,7 @@ def test_a_constant_force_is_rejected():
 
 def test_a_fit_that_runs_out_of_time_reports_it(skeleton):
     with pytest.raises(NotConverged, match="within 0 s"):
-        fit(SMALL, measured(skeleton), ("E",), FitOptions(limit=0.0))
+        fit(SMALL, measured(skeleton), ("E",), limit=0.0)
 
 
 def test_indistinguishable_parameters_raise_a_warning(skeleton):
@@ -167,7 +175,7 @@ def test_indistinguishable_parameters_raise_a_warning(skeleton):
 
 def test_a_curve_that_no_parameter_makes_does_not_fit(skeleton):
     data = measured(skeleton, offset=0.5 * float(skeleton.curve([5.0])[0][0]))
-    result = fit(SMALL, data, ("phi_n",), FitOptions(starts=1))
+    result = fit(SMALL, data, ("phi_n",))
     assert not result.reached and "does not fit" in result.warnings[0]
 
 
@@ -253,7 +261,7 @@ def test_areas_in_nm_grow_with_a_free_width(skeleton):
     U_x, values = measured(skeleton).U_x, measured(skeleton).values
     for width in (None, SMALL.width):
         data = Measurement.of(U_x, values, unit=SMALL.width * SMALL.E, width=width)
-        model = Model(SMALL, data, ("width",), 60.0, np.inf)
+        model = Model(SMALL, data, ("width",))
         x, step = np.array([SMALL.width]), 1e-3
         low, high = (model.trial(x + d, model.exact(model.scene_of(x + d))).residuals for d in (-step, step))
         exact = model.trial(x, model.exact(model.scene_of(x))).jacobian[:, 0]
