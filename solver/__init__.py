@@ -19,9 +19,9 @@ mechanics/                      the physics: NP1 law, elastic layer, contact
 threads, isolated, cluster      one BLAS thread; calls with a time limit in other processes, or on a cluster
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
-plots, results                  a run as tables and plots, first slips of many scenes
-cautions                        sentences on choices that affect a result
+cautions, plots                 sentences on choices that affect a result; plots
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
+results                         a run as tables and plots, first slips of many scenes
 accuracy/                       error against run time of one scene
 files                           the files of a run: CSV, NPZ, JSON
 cli/                            the command line

@@ -3,6 +3,8 @@
 import numpy as np
 
 from .mechanics.layer import Modes
+from .run.frame import largest_safe_damping
+from .run.summary import widest
 
 COARSE = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
 FAR = 4.0  # a / delta_t, most: above, a node moved sideways without friction leaves the reach of its spring
@@ -35,6 +37,11 @@ def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
         *_of_the_layer(scene),
         *_of_the_surface(scene, widest),
     ]
+
+
+def cautions_of(scene, frames) -> list[str]:
+    """The cautions of a run, from all its Frames."""
+    return cautions(scene, widest(frames), largest_safe_damping(frames), any(frame.sensitive for frame in frames))
 
 
 def _of_the_lattice(scene):

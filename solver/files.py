@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from . import __version__
+from .cautions import cautions_of
 from .run.frame import Frame
-from .run.summary import fields_of, left_out, summarize
+from .run.summary import curves_of, fields_of, left_out, summarize
 from .scene import Scene
 
-SCHEMA = 1  # of the JSON files: raised when a field changes its name or meaning
-TOP = "U_x_top", "delta_top"  # of the layer, columns of a run whose drive has a stiffness
-COLUMNS = ("U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip")
+SCHEMA = 2  # of JSON and NPZ files: raised when a field changes its name or meaning
 
 
 def write_rows(file: str | PathLike, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
@@ -32,31 +31,18 @@ def write_rows(file: str | PathLike, heading: Iterable[str], rows: Iterable[Iter
 
 
 def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
-    """Writes a row per frame, numbers in full precision."""
+    """Writes the table of a run, a row per Frame, numbers in full precision."""
     curves = curves_of(frames)
     write_rows(file, curves, zip(*curves.values(), strict=True))
 
 
-def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
-    """{column: a value per frame}: COLUMNS, TOP with a drive, and the stage."""
-    names = COLUMNS + TOP * any(any(frame.scene.drive_compliance) for frame in frames)
-    curves: dict[str, list[Any]] = {name: [number(getattr(frame, name)) for frame in frames] for name in names}
-    curves["stage"] = [frame.stage for frame in frames]
-    return curves
-
-
-def number(value: Any) -> float:
-    """A plain int or float, whose text is exact; booleans become 0 and 1."""
-    return float(value) if isinstance(value, (float, np.floating)) else int(value)
-
-
 def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], method: str = "fast") -> None:
-    """Writes curves and stage of all Frames after the approach, with the arrays of `fields_of`.
+    """Writes the columns of `curves_of`, by names without units, and the arrays of `fields_of`, after the approach.
 
     `report` is JSON text: schema, version, commit, scene and method.
     """
     after = [frame for frame in frames if frame.stage != "approach"]
-    curves = {name: np.array(values, str if name == "stage" else None) for name, values in curves_of(after).items()}
+    curves = {name.split(" ")[0]: np.array(values) for name, values in curves_of(after).items()}
     report = {"method": method, "scene": asdict(scene)}
     arrays: dict[str, Any] = fields_of(scene, after) | curves
     with open(file, "wb") as out:  # NumPy would append .npz to a name
@@ -81,7 +67,7 @@ def report_of(
     """What --json writes beside the version: scene, method and summary."""
     report = {"method": method, "scene": asdict(scene)}
     ended = {"seconds": seconds, "failure": failure, "left_out": left_out(frames)}
-    return report | summarize(scene, frames) | ended
+    return report | summarize(scene, frames) | {"cautions": cautions_of(scene, frames)} | ended
 
 
 @cache

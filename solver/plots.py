@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from html import escape
+from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +21,8 @@ if TYPE_CHECKING:
     import holoviews as hv
     import pandas as pd
 
-BACKENDS = {".html": "bokeh", ".png": "matplotlib"}
+BACKENDS = {".html": "bokeh", ".png": "matplotlib", ".svg": "matplotlib"}
+LINE = 90  # characters of a line of the title
 # Below each other: as wide as a column of text, three on one screen
 SIZES = {"bokeh": {"width": 700, "height": 240}, "matplotlib": {"aspect": 3}}
 UNITS = {"U_s": "nm", "F_s": "wE", "A_s": "w", "A_0": "w", "L_min": "wE"}
@@ -48,7 +52,7 @@ def _contact_map(scene, frames, across):
     import holoviews as hv
 
     fields = fields_of(scene, frames)
-    x, T_z = fields["x"] - scene.width / 2, fields["T"][:, 1]
+    x, T_z = fields["x"], fields["T"][:, 1]
     at: Any = [frame.U_x for frame in frames]
     if np.any(np.diff(at) <= 0.0):
         across, at = hv.Dimension("increment"), range(len(frames))
@@ -114,7 +118,7 @@ def _ready():
     import holoviews as hv
 
     if not hv.Store.loaded_backends():
-        hv.extension("bokeh")
+        hv.extension("bokeh", inline=True, logo=False)  # with its scripts in the notebook: no internet is needed
 
 
 def _sized(layout):
@@ -132,22 +136,41 @@ def _sized(layout):
     return layout
 
 
-def save(file: str | PathLike, draw: Callable[..., Any], *content: Any) -> None:
-    """Writes the plot draw(*content) as HTML that opens without internet, or as PNG (needs matplotlib).
+def refusal(file: str | PathLike) -> str | None:
+    """Why a plot cannot be written to a file of this name, and what to do; None if it can."""
+    suffix = Path(file).suffix
+    if suffix not in BACKENDS:
+        return f"file = {str(file)!r}; allowed: a name that ends in {', '.join(BACKENDS)}; rename it"
+    if BACKENDS[suffix] == "matplotlib" and find_spec("matplotlib") is None:
+        return f"{suffix} needs matplotlib: pip install mixed-mode-contact[plots], or write .html"
+    return None
 
-    draw is called once the backend is chosen. Raises ValueError for another suffix.
+
+def save(
+    file: str | PathLike, draw: Callable[..., Any], *content: Any, title: str = "", notes: Iterable[str] = ()
+) -> None:
+    """Writes the plot draw(*content) as HTML that opens without internet, or as PNG or SVG (needs matplotlib).
+
+    draw is called once the backend is chosen. title: above the plot, with the version; notes: sentences below it.
+    Raises ValueError for another suffix, ImportError without matplotlib.
     """
     import holoviews as hv
 
-    suffix = Path(file).suffix
-    if suffix not in BACKENDS:
-        raise ValueError(f"file = {str(file)!r}; allowed: a name that ends in .html or .png; rename it")
-    hv.extension(BACKENDS[suffix])
-    plot = draw(*content)
-    if suffix == ".png":
-        hv.save(plot, file, backend="matplotlib")
+    from . import __version__
+
+    suffix, why = Path(file).suffix, refusal(file)
+    if why:
+        raise ImportError(why) if suffix in BACKENDS else ValueError(why)
+    hv.extension(BACKENDS[suffix], logo=False)
+    plot, text = draw(*content), ", ".join([*([title] if title else []), f"mixed-mode-contact {__version__}"])
+    if BACKENDS[suffix] == "matplotlib":
+        figure = hv.render(plot, backend="matplotlib")
+        figure.suptitle("\n".join(wrap(text, LINE)), y=0.99, va="bottom", fontsize="medium")
+        figure.savefig(file, bbox_inches="tight", metadata={"Title": text})
         return
     from bokeh.embed import file_html
     from bokeh.resources import INLINE
 
-    Path(file).write_text(file_html(hv.render(plot, backend="bokeh"), INLINE, Path(file).stem), encoding="utf-8")
+    page = file_html(hv.render(plot, backend="bokeh"), INLINE, text)
+    lines = "".join(f"<p>{escape(line)}</p>" for line in [text, *notes])
+    Path(file).write_text(page.replace("<body>", f"<body>{lines}", 1), encoding="utf-8")

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from itertools import product
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import plots
+from .cautions import cautions_of
 from .continuation.state import NotConverged
 from .following.from_run import skeleton_of
 from .following.skeleton import Skeleton
 from .isolated import Lost, outcomes
-from .run.frame import Frame, moving, slides_in
-from .run.load_steps import abscissa, load_steps_of, place
+from .run.frame import Frame, slides_in
+from .run.load_steps import abscissa, load_steps_of, place, slip_at
 from .run.loadpath import load_path
-from .run.summary import fields_of
+from .run.summary import curves_of, fields_of, least_force, values_of
 from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from .text import counted
 from .threads import one_thread
@@ -30,10 +33,22 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
     import pandas as pd
     import xarray as xr
 
+    from .analysis.interior import Stress
+
+FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
 SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
 
-@dataclass(frozen=True, eq=False)
+class FirstSlip(NamedTuple):
+    """The first slip along U_x: U_s (nm), and F_s, L_s (N/m) and A_s (nm) just before it."""
+
+    U_s: float
+    F_s: float
+    L_s: float
+    A_s: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """A run of one scene: its Frames, and why it ended early (None: it reached the end of its path).
 
@@ -41,48 +56,63 @@ class Result:
     """
 
     scene: Scene
-    frames: Sequence[Frame] = field(repr=False)
+    frames: Sequence[Frame]
     failure: str | None = None
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """A row per increment: U_x, delta, A (nm), F, L (N/m), residual (nm), evaluations, slip and stage.
+        """A row per increment: U_x, delta (nm), F, L (N/m), A (nm), residual (nm), evaluations, slip and stage.
 
         Beside U_x and delta of the stage are those of the top of the layer; they differ where a drive is not rigid.
         """
         import pandas as pd
 
-        return pd.DataFrame(
-            {
-                "stage": frame.stage,
-                "U_x (nm)": frame.U_x,
-                "delta (nm)": frame.delta,
-                "U_x_top (nm)": frame.U_x_top,
-                "delta_top (nm)": frame.delta_top,
-                "F (N/m)": frame.F,
-                "L (N/m)": frame.L,
-                "A (nm)": frame.A_bar * frame.scene.width,
-                "residual (nm)": frame.residual,
-                "evaluations": frame.evaluations,
-                "slip": frame.slip,
-            }
-            for frame in self.frames
-        )
+        return pd.DataFrame(curves_of(self.frames))
 
     @cached_property
     def slips(self) -> pd.DataFrame:
-        """A row per end of a branch: load (U_x or delta, nm), F, L (N/m) and A (nm) just before it, and its kind."""
+        """A row per end of a branch: U_s (nm), F_s, L_s (N/m) and A_s (nm) just before it, its kind, `sensitive`.
+
+        Where delta moves after the approach, on path 'unload' or 'points', delta_s (nm) stands beside U_s.
+        """
         import pandas as pd
 
-        return pd.DataFrame(
-            [_slip(frame, event) for frame in self.frames for event in frame.slips],
-            columns=["stage", "load (nm)", "F (N/m)", "L (N/m)", "A (nm)", "kind", "located", "sensitive"],
-        )
+        least, lowered = least_force(self.frames), ["delta_s (nm)"] * (self.scene.path in ("unload", "points"))
+        rows = [self._slip(frame, event, least) for frame in self.frames for event in frame.slips]
+        columns = ["stage", FIRST[0], *lowered, *FIRST[1:], "kind", "sensitive"]
+        return pd.DataFrame(rows, columns=columns)
+
+    def _slip(self, frame, event, least):
+        """A SlipEvent of a Frame as a row of `slips`."""
+        U_s, delta_s = slip_at(self.scene, frame, event)
+        row = {"stage": event.stage, "delta_s (nm)": delta_s, "kind": event.kind, "sensitive": event.sensitive}
+        return row | dict(zip(FIRST, _first(frame, event, least)._replace(U_s=U_s), strict=True))
+
+    @property
+    def first_slip(self) -> FirstSlip | None:
+        """The FirstSlip of a stage that moves U_x; None without one."""
+        found = ((frame, event) for frame in self.frames for event in slides_in(frame))
+        return next((_first(frame, event) for frame, event in found), None)
+
+    @cached_property
+    def cautions(self) -> tuple[str, ...]:
+        """A sentence for every choice that affects the result, such as a sensitive slip, a soft layer, low damping."""
+        return tuple(cautions_of(self.scene, self.frames))
 
     @cached_property
     def skeleton(self) -> Skeleton:
         """The Skeleton of the scene, from which curves at other parameters follow. Raises NotFollowed."""
         return skeleton_of(self.scene)
+
+    def stress(self, U_x: float, z: NDArray[np.float64] | None = None) -> Stress:
+        """The stress in the layer (GPa) at the increment nearest to U_x (nm), of the first stage if several are.
+
+        z (k,): heights above the lower surface, nm; by default 101 from the surface to the top of the layer.
+        Returns Stress(x (m,), z (k,), xx, zz, xz (k, m)). Raises ValueError for a z outside the layer.
+        """
+        from .analysis.interior import stress_in
+
+        return stress_in(min(self._after, key=lambda frame: abs(frame.U_x - U_x)), z)
 
     def plot(self, over_top: bool = False) -> hv.Layout:
         """F and L, A, and the normal traction over place and displacement, as a HoloViews layout.
@@ -95,35 +125,61 @@ class Result:
         return plots.experiment(self.scene, self._after, over_top)
 
     def save(self, file: str | PathLike) -> None:
-        """Writes the plot as HTML, or as PNG (needs matplotlib). Raises ValueError for another suffix."""
-        plots.save(file, self.plot)
+        """Writes the plot as .html, .png or .svg, or the table as .csv; .png and .svg need matplotlib.
+
+        Raises ValueError for another suffix, ImportError without matplotlib.
+        """
+        if Path(file).suffix == ".csv":
+            self.table.to_csv(file, index=False, lineterminator="\n")
+        else:
+            plots.save(file, self.plot, title=repr(self.scene), notes=self._notes)
 
     def to_xarray(self) -> xr.Dataset:
-        """The curves over the increment, and the traction T_z (GPa) over increment and x (nm). Needs xarray."""
+        """The curves over the increment, and the tractions T_x and T_z (GPa) over increment and x (nm).
+
+        x counts from the middle of the cell. Every variable has its unit as the attribute `units`. Needs xarray.
+        """
         import xarray as xr
 
         fields = fields_of(self.scene, self.frames)
-        x, T_z = fields["x"] - self.scene.width / 2, fields["T"][:, 1]
-        curves = {name.split(" (")[0]: ("increment", column.to_numpy()) for name, column in self.table.items()}
-        return xr.Dataset(curves | {"T_z": (("increment", "x"), T_z)}, coords={"x": x}, attrs=self.scene.differences())
+        variables: dict[str, Any] = {}
+        for heading, column in self.table.items():
+            name, _, unit = str(heading).rstrip(")").partition(" (")
+            variables[name] = "increment", column.to_numpy(), {"units": unit} if unit else {}
+        for k, name in enumerate(("T_x", "T_z")):
+            variables[name] = ("increment", "x"), fields["T"][:, k], {"units": "GPa"}
+        place = {"x": ("x", fields["x"], {"units": "nm"})}
+        return xr.Dataset(variables, coords=place, attrs=self.scene.differences())
 
     @property
     def _after(self) -> list[Frame]:
         """The Frames after the approach; of a run that failed before, those that there are."""
         return [frame for frame in self.frames if frame.stage != "approach"] or list(self.frames)
 
-    def _repr_html_(self) -> str:
-        """What differs from the default, the first slip, and F over the path as a small curve."""
+    @property
+    def _notes(self) -> list[str]:
+        """What limits the result: the failure, cautions, and what was done to a measured profile."""
+        profile = self.scene.measured.notes if self.scene.measured else ()
+        failed = [self.failure] if self.failure else []
+        return [*failed, *(f"Caution: {each}" for each in self.cautions), *(f"Profile: {note}" for note in profile)]
+
+    @property
+    def _lines(self) -> list[str]:
+        """What differs from the default, the first slip, and what limits the result."""
         changed = ", ".join(f"{name} = {value}" for name, value in self.scene.differences().items()) or "the default"
-        sliding = self.slips[self.slips["stage"].map(moving).eq("U_x") & (self.slips["kind"] != "control")]
-        count = int((self.slips["stage"] != "approach").sum())
+        count, first = int((self.slips["stage"] != "approach").sum()), self.first_slip
         slipping = f"{counted(count, 'slip')}, none along U_x" if count else "no slip"
-        if len(sliding):
-            first = sliding.iloc[0]
-            slipping = f"first slip at U_x = {first['load (nm)']:.2f} nm: F = {first['F (N/m)']:.4g} N/m"
-            slipping += f", A = {first['A (nm)']:.4g} nm; {counted(count, 'slip')}"
-        lines = [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", self.failure]
-        return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + _curve(self.scene, self._after)
+        if first:
+            slipping = f"first slip at U_x = {first.U_s:.2f} nm: F = {first.F_s:.4g} N/m, A = {first.A_s:.4g} nm"
+            slipping += f"; {counted(count, 'slip')}"
+        return [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", *self._notes]
+
+    def __repr__(self) -> str:
+        return "\n".join(self._lines)
+
+    def _repr_html_(self) -> str:
+        """The lines of `print`, and F over the path as a small curve."""
+        return "".join(f"<p>{escape(line)}</p>" for line in self._lines) + _curve(self.scene, self._after)
 
 
 def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
@@ -163,8 +219,8 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     """Computes the first slip for every combination of parameter values.
 
     Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
-    Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s, A_0
-    (nm), and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
+    Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm),
+    and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
     Raises ValueError for a name that is no parameter, or values that are no list; SceneError for a value outside its
     range, and for one that path 'points' does not use.
 
@@ -180,8 +236,8 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     else:
         first = {k: first_slip(each) for k, each in enumerate(scenes)}
     rows = [first[k] if isinstance(first[k], dict) else {"outcome": _lost(first[k])} for k in range(len(scenes))]
-    columns = [*values, "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)", "A_0 (nm)", "outcome"]
-    return pd.DataFrame([given | row for given, row in zip(combinations, rows, strict=True)], columns=columns)
+    rows = [given | row for given, row in zip(combinations, rows, strict=True)]
+    return pd.DataFrame(rows, columns=[*values, *FIRST, "outcome"])
 
 
 def _swept(scene, values):
@@ -205,30 +261,20 @@ def _lost(lost: Lost) -> str:
 
 
 def first_slip(scene: Scene) -> dict[str, Any]:
-    """The first slip of a scene, and its area at U_x = 0, as a row of `sweep`; the run ends there."""
-    row: dict[str, Any] = {}
+    """The first slip of a scene as a row of `sweep`; the run ends there."""
     try:
         for frame in load_path(scene):
-            if frame.stage == "approach":
-                continue
-            row.setdefault("A_0 (nm)", frame.A_bar * scene.width)
             if slips := slides_in(frame):
-                numbers = _slip(frame, slips[0])
-                slip = {f"{name}_s ({unit})": numbers[f"{name} ({unit})"] for name, unit in FORCES}
-                return row | {"U_s (nm)": slips[0].load, "outcome": "slips"} | slip
+                return dict(zip(FIRST, _first(frame, slips[0]), strict=True)) | {"outcome": "slips"}
     except NotConverged as failure:
-        return row | {"outcome": str(failure)}
-    return row | {"outcome": "no slip"}
+        return {"outcome": str(failure)}
+    return {"outcome": "no slip"}
 
 
-FORCES = ("F", "N/m"), ("L", "N/m"), ("A", "nm")
-
-
-def _slip(frame, event):
-    """A SlipEvent of a Frame as a row, in N/m and nm."""
-    forces = {"F (N/m)": event.F_bar * frame.unit, "L (N/m)": event.L_bar * frame.unit}
-    where = {"stage": event.stage, "load (nm)": event.load} | forces | {"A (nm)": event.A_bar * frame.scene.width}
-    return where | {name: getattr(event, name) for name in ("kind", "located", "sensitive")}
+def _first(frame, event, least=0.0):
+    """The FirstSlip of a SlipEvent of a Frame; forces up to `least` are zero."""
+    values = values_of(frame, event, least)
+    return FirstSlip(event.load, values["F"], values["L"], values["A"])
 
 
 def _curve(scene, frames):

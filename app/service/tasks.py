@@ -20,7 +20,6 @@ from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import points_of
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
-from solver.analysis.outputs import over_own
 from solver.analysis.sensitivities import sensitivities
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
@@ -121,10 +120,10 @@ def what_matters(scene):
     for name, by in slip.by.items():
         if name == "width":
             continue
-        change = over_own(scene, name, slip.values, by) * (values[name] or 1.0)
-        parts = [float(f"{d / v:.4g}") if v else None for d, v in zip(change, slip.values, strict=True)]
+        changes = zip(by * (values[name] or 1.0), slip.values, strict=True)
+        parts = [float(f"{d / v:.4g}") if v else None for d, v in changes]
         bars[name] = [parts[k] for k in (0, 1, 3)]
-    held = slip.nodes[1] / (slip.event.F_bar or 1.0)
+    held = slip.nodes[1] / (slip.values[1] or 1.0)
     acting = np.flatnonzero(held)
     first, last = (acting[0], acting[-1] + 1) if acting.size else (0, 0)
     nodes = [float(f"{share:.3g}") for share in held[first:last]]

@@ -6,7 +6,6 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from math import e
 from queue import SimpleQueue
 from time import perf_counter
 
@@ -21,13 +20,13 @@ from solver.analysis.interior import transfer
 from solver.run.frame import largest_safe_damping
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import in_time
+from solver.run.summary import widest
 
 NICENESS = 10  # low priority: the event loop goes before the computations
 QUICK, SLOW = 0.3, 10.0  # s of processor time per increment: of a run that must not delay others; of any run
 APPROACH = 3  # a slice may take 3 times its budget to reach the first frames of the shear
 MODULES = [module for name, module in sys.modules.items() if name.startswith("solver.")]
 KERNELS = len({k for m in MODULES for k in vars(m).values() if isinstance(k, Dispatcher)})  # `warm_up` compiles them
-REACH = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
 
 
 @dataclass(frozen=True)
@@ -110,7 +109,7 @@ def compute(scene, state, budget, limit=SLOW):
         ahead=_ahead(scene, checkpoint),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
-        widest=max((_width(scene, frame) for frame in frames), default=0.0),
+        widest=widest(frames),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
         state=None if checkpoint.done else pickle.dumps((checkpoint, last)),
@@ -160,10 +159,3 @@ def _ahead(scene, checkpoint):
     load_steps = checkpoint.load_steps or load_steps_of(scene)
     now = next(k for k, step in enumerate(load_steps) if step.stage == checkpoint.stage)
     return sum(step.increments + 1 for step in load_steps[now:]) - checkpoint.increment
-
-
-def _width(scene, frame):
-    """Return the distance of the outermost nodes that repel or adhere, over w."""
-    normal = frame.T[1]
-    acting = np.flatnonzero((normal > 0) | (normal < -REACH * scene.phi_n / (e * scene.delta_n)))
-    return float(acting[-1] - acting[0] + 1) / scene.nodes if len(acting) else 0.0

@@ -11,12 +11,57 @@ they do not overflow. q = 0 is the limit: uniform stress, displacement linear in
 """
 
 from math import cosh, exp, expm1, sinh
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..mechanics.layer import stiffness
+from ..run.frame import Frame
+
 FAR = 50.0  # q (h - z), beyond which the top is neglected: it reflects exp(-2 FAR) (q h)^2 < 1e-29
+
+
+DEPTHS = 101  # heights at which stress is given by default: every hundredth of the layer
+
+
+class Stress(NamedTuple):
+    """Stress in the layer (GPa, tension positive) at x (m,) and z (k,), nm: xx, zz and xz (k, m).
+
+    x counts from the middle of the cell, z from the lower surface up. Plane strain: sigma_yy = nu (xx + zz).
+    """
+
+    x: NDArray[np.float64]
+    z: NDArray[np.float64]
+    xx: NDArray[np.float64]
+    zz: NDArray[np.float64]
+    xz: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        return f"Stress(x: {self.x.size} nodes, z: {self.z.size} heights, 0 .. {self.z.max():g} nm; xx, zz, xz in GPa)"
+
+
+def stress_in(frame: Frame, z: NDArray[np.float64] | None = None) -> Stress:
+    """The Stress of a Frame at all nodes and the heights z (k,) nm, by default DEPTHS even ones, to round-off.
+
+    Raises ValueError for a z outside the layer.
+    """
+    scene, height = frame.scene, frame.scene.height * frame.scene.width
+    z = np.linspace(0.0, height, DEPTHS) if z is None else np.atleast_1d(np.asarray(z, float))
+    if not (z.min() >= 0.0 and z.max() <= height):
+        raise ValueError(f"z = {z.min():g} .. {z.max():g}: allowed: 0 .. {height:g} nm; leave out what is outside")
+    T = np.zeros((2, scene.nodes))
+    T[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
+    T_q = np.fft.rfft(T, norm="forward")
+    q = wavenumbers(scene, T_q.shape[1])
+    if scene.nodes % 2 == 0:  # the Nyquist mode is held by a sine, which vanishes at the nodes
+        k_xx, k_zz, k_c = (float(k[0]) for k in stiffness(q[-1:], height, scene.E, scene.nu))
+        x, up = T_q[:, -1].real
+        T_q[:, -1] = x - 1j * k_c * up / k_zz, up + 1j * k_c * x / k_xx
+    even, odd = np.moveaxis(transfer(q, z, height, scene.shear_modulus, scene.nu)[2:], 1, 0)
+    modes = even * T_q[[1, 1, 0], None] + 1j * odd * T_q[[0, 0, 1], None]
+    return Stress(scene.x - scene.width / 2, z, *np.fft.irfft(modes, scene.nodes, norm="forward"))
 
 
 def wavenumbers(scene, modes) -> NDArray[np.float64]:

@@ -39,30 +39,30 @@ AHEAD = 6
 SHARP = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SlipSensitivity:
     """A slip and its derivatives.
 
-    by: {parameter: (4,)}, derivatives of U_s (nm) and of F_s, L_s and A_s, just before the slip, per unit of the
-    parameter. nodes: (4, nodes), the same by the strength of each node's spring: per eps, where phi_n and phi_t of that
-    node are multiplied by 1 + eps.
+    values (4,): U_s (nm), F_s, L_s (N/m) and A_s (nm), just before the slip. by: {parameter: (4,)}, their derivatives
+    per unit of the parameter. nodes (4, nodes): the same by the strength of each node's spring, per eps, where phi_n
+    and phi_t of that node are multiplied by 1 + eps.
     """
 
     event: SlipEvent
+    values: Floats
     by: dict[str, Floats]
     nodes: Floats
 
-    @property
-    def values(self) -> Floats:
-        """U_s (nm), F_s, L_s, A_s (4,), over wE and w."""
-        event = self.event
-        return np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
+    def __repr__(self) -> str:
+        U, F, L, A = self.values
+        slip = f"U_s = {U:.6g} nm, F_s = {F:.4g} N/m, L_s = {L:.4g} N/m, A_s = {A:.4g} nm"
+        return f"SlipSensitivity({slip}; by {', '.join(self.by)} and by nodes {self.nodes.shape})"
 
     def per_cent(self, scene: Scene) -> dict[str, Floats]:
-        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s (nm, N/m) in per cent per per cent; nan where one is zero."""
-        now, own = self.values, {name: over_own(scene, name, self.values, d) for name, d in self.by.items()}
+        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s in per cent per per cent; nan where one is zero."""
+        now = self.values
         with np.errstate(divide="ignore", invalid="ignore"):
-            return {name: np.where(now != 0.0, d * getattr(scene, name) / now, np.nan) for name, d in own.items()}
+            return {name: np.where(now != 0.0, d * getattr(scene, name) / now, np.nan) for name, d in self.by.items()}
 
 
 @dataclass(frozen=True)
@@ -129,11 +129,19 @@ def _slips(skeleton, folds):
     scene, slips = skeleton.scene, []
     for _, (index, turns) in zip(slips_in(skeleton), skeleton.passes(), strict=False):
         fold, sites = folds[index], turns * skeleton.sites
-        by, event = dict(fold.by), replace(fold.event, load=fold.event.load + sites * scene.spacing)
+        event, unit = replace(fold.event, load=fold.event.load + sites * scene.spacing), _units(scene)
+        bars = fold._replace(event=event).values
+        by = {name: over_own(scene, name, bars, d) * unit for name, d in fold.by.items()}
         if "width" in by:
-            by["width"] = by["width"] + [sites / scene.nodes, 0.0, 0.0, 0.0]
-        slips.append(SlipSensitivity(event, by, fold.nodes))
+            by["width"][0] += sites / scene.nodes
+        slips.append(SlipSensitivity(event, bars * unit, by, fold.nodes * unit[:, None]))
     return tuple(slips)
+
+
+def _units(scene):
+    """(4,): what U_s, F_bar, L_bar and A_bar are multiplied by to have nm and N/m."""
+    force = scene.width * scene.E
+    return np.array([1.0, force, force, scene.width])
 
 
 def _ahead(solutions, t, fold):
@@ -145,6 +153,20 @@ def _ahead(solutions, t, fold):
     if fold:  # towards it x grows as 1/(1 - t)
         weights *= (1.0 - t[i - len(before) : i]) / (1.0 - t[i])
     return [sum(weight * x for weight, (_, x) in zip(weights, before, strict=True))]
+
+
+class _Fold(NamedTuple):
+    """A fold: its event, {parameter: (4,)} derivatives of U_x, F_bar, L_bar, A_bar, the same by nodes (4, nodes)."""
+
+    event: SlipEvent
+    by: dict[str, Floats]
+    nodes: Floats
+
+    @property
+    def values(self) -> Floats:
+        """U_x (nm), F_bar, L_bar, A_bar (4,)."""
+        event = self.event
+        return np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
 
 
 class _State(NamedTuple):
@@ -249,8 +271,8 @@ class _Differentiator:
             by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
         return BranchSensitivity(branch, outputs, by, slope)
 
-    def slip(self, branch) -> SlipSensitivity:
-        """The SlipSensitivity of the fold at the end of a Branch."""
+    def slip(self, branch) -> _Fold:
+        """The _Fold at the end of a Branch."""
         scene, problem = self.scene, self.problem
         fold = fold_near(problem, branch.slip, SHARP)
         if fold is None:
@@ -280,7 +302,7 @@ class _Differentiator:
         moved = (duals * state.T).sum(axis=1) - np.multiply.outer(x[:, -1], held) - np.multiply.outer(back, nodes[1])
         F_bar, L_bar, A_bar = outputs.tolist()
         event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
-        return SlipSensitivity(event, by, self._on_cell(np.vstack([nodes[0], moved])))
+        return _Fold(event, by, self._on_cell(np.vstack([nodes[0], moved])))
 
     def _on_cell(self, rows):
         """Derivatives (4, nodes) by the strength of every node, from those (4, m) of the patch."""

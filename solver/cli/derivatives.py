@@ -55,7 +55,7 @@ def sensitivities(scene: Scene, arguments: argparse.Namespace) -> int:
         for name, per_unit in slip.by.items():
             by[name] = {"per_unit": _named(per_unit), "per_cent": _named(per_cent[name])}
             rows.append([k, slip.event.load, name, getattr(scene, name), *per_unit, *per_cent[name]])
-        slips.append({"event": slip.event.as_dict(), "by": by, "nodes": _named(slip.nodes)})
+        slips.append({"slip": _named(slip.values), "by": by, "nodes": _named(slip.nodes)})
     if slips:
         print(f"First slip at U_s = {rows[0][1]:.6g} nm; change in % per % of the parameter:")
         print(f"{'':12}" + "".join(f"{name:>10}" for name in SLIP))

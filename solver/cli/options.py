@@ -8,7 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from ..plots import BACKENDS
+from ..plots import refusal
 from ..presets import preset
 from ..profile import ProfileError, read_profile
 from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
@@ -51,8 +51,8 @@ def add_plot(parser: argparse.ArgumentParser, content: str) -> None:
 
 def _plot(file):
     """A type for argparse: the name of a plot that can be written."""
-    if not file.endswith(tuple(BACKENDS)):
-        raise argparse.ArgumentTypeError(f"{file!r}; allowed: a name that ends in {' or '.join(BACKENDS)}; rename it")
+    if why := refusal(file):
+        raise argparse.ArgumentTypeError(why)
     return _writable(file)
 
 

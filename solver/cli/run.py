@@ -7,10 +7,10 @@ from contextlib import suppress
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from .. import METHODS, Frame, NotConverged, Scene, load_path, plots
+from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
 from ..files import report_of, write_csv, write_json, write_npz
-from ..results import with_progress
+from ..results import Result, with_progress
 from ..text import counted
 from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_plot, caution, write
 
@@ -27,8 +27,8 @@ def add_run(commands: Any) -> None:
     text = "Computes one experiment: the approach, then the shear or another path. Prints the first slip."
     parser = add_command(commands, "run", run, "compute one experiment", text)
     parser.add_argument("--method", choices=METHODS, default="fast", help="default fast; gfmd is the slower reference")
-    add_file(parser, "csv", "the curves: a row per increment after the approach")
-    add_file(parser, "npz", "the curves and the fields of these increments")
+    add_file(parser, "csv", "the curves: a row per increment")
+    add_file(parser, "npz", "curves and fields of the increments after the approach")
     add_file(parser, "json", "scene, version, method and summary, for `verify`")
     add_plot(parser, "F and L, A and the contact")
 
@@ -43,19 +43,14 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     start = perf_counter()
     frames, failure, code = compute(scene, arguments.method)
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
-    caution(
-        sentence
-        for sentence in cautions(scene, safe_damping=report["safe_damping"], sensitive=report["sensitive"] > 0)
-        if sentence not in before
-    )
+    caution(sentence for sentence in report["cautions"] if sentence not in before)
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames)))
-    after = [frame for frame in frames if frame.stage != "approach"]
-    write(arguments.csv, write_csv, after)
+    write(arguments.csv, write_csv, frames)
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
-    write(arguments.html if after else None, plots.save, plots.experiment, scene, after)
+    write(arguments.html if frames else None, Result(scene, frames, failure).save)
     if failure is not None:
         print(failure, file=sys.stderr)
     return code or (0 if report["converged"] else NOT_CONVERGED)
@@ -86,18 +81,13 @@ def compute(scene: Scene, method: str) -> Computed:
 def described(report: dict[str, Any], increments: int) -> str:
     """The summary in three lines."""
 
-    scene = report["scene"]
-    force, width = scene["width"] * scene["E"], scene["width"]
-
-    def shown(name, key, factor, unit):
-        value = report[key]
-        return f"{name} = " + ("none" if value is None or value != value else f"{value * factor:.4g} {unit}")
+    def shown(name, key, unit):
+        return f"{name} = " + ("none" if report[key] is None else f"{report[key]:.4g} {unit}")
 
     if report["U_s"] is not None:
-        first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', force, 'N/m')}"
-        first += f", {shown('A', 'A_s', width, 'nm')}"
+        first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', 'N/m')}, {shown('A', 'A_s', 'nm')}"
     elif "L_min" in report:
-        first = f"least load of the retraction: {shown('L', 'L_min', force, 'N/m')}"
+        first = f"least load of the retraction: {shown('L', 'L_min', 'N/m')}"
     elif report["slips"]:
         first = "none along U_x"
     else:
@@ -105,5 +95,5 @@ def described(report: dict[str, Any], increments: int) -> str:
     state = "converged" if report["converged"] else "NOT converged"
     cost = f"{report['evaluations']} force evaluations, {report['seconds']:.3g} s"
     lines = [f"{report['method']}: {increments} increments, {state}, {cost}"]
-    lines += [f"contact area at U_x = 0: {shown('A_0', 'A_0', width, 'nm')}"]
+    lines += [f"contact area at U_x = 0: {shown('A_0', 'A_0', 'nm')}"]
     return "\n".join([*lines, f"{counted(report['slips'], 'slip')}; {first}"])

@@ -16,7 +16,7 @@ COMPUTED = ("slips", "no slip")  # outcomes that are results
 def add_sweep(commands: Any) -> None:
     """Adds `sweep` to the subcommands."""
     text = "Computes the first slip for every combination of parameter values. Prints a row for each."
-    epilog = "Columns: the parameters, U_s (nm), F_s, L_s (N/m), A_s, A_0 (nm), outcome."
+    epilog = "Columns: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm), outcome."
     parser = add_command(commands, "sweep", swept, "first slips of combinations of values", text, epilog)
     parser.add_argument("--over", nargs="+", action="extend", required=True, metavar=FORM, help="values of parameters")
     parser.add_argument("--workers", type=within(1), default=1, metavar="N", help="number of processes, default 1")

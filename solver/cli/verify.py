@@ -11,13 +11,13 @@ import numpy as np
 from .. import METHODS, Profile, Scene, SceneError, load_path, summarize
 from ..files import SCHEMA, origin, plain
 from ..results import collected
-from ..run.summary import fields_of
+from ..run.summary import curves_of, fields_of
 from .options import NOT_CONVERGED, InputError
 
 SAME = 1e-6  # of the largest of its kind: ends of branches are located to 1e-6 nm
 TOLERANCES = 100.0  # over the tolerance of the run, in delta_n or delta_t: error of F and L at the default, or less
-FIRST = ("A_0", "U_s", "F_s", "A_s", "L_min", "slips")  # of a summary
-NUMBERS = ("U_x", "delta", "F_bar", "L_bar", "A_bar")  # of an event or a frame
+FIRST = ("A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "slips")  # of a summary
+NUMBERS = ("U_x", "delta", "F", "L", "A")  # of an event or a frame
 HOLDS = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
 
 
@@ -34,7 +34,7 @@ def verify(arguments: argparse.Namespace) -> int:
     report, scene, recorded = read(arguments.file)
     frames, failure = collected(load_path(scene, method=report["method"]))
     after = [frame for frame in frames if frame.stage != "approach"]
-    arrays = fields_of(scene, after) | {name: [getattr(f, name) for f in after] for name in NUMBERS}
+    arrays = fields_of(scene, after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
     computed = arrays if "T" in recorded else numbers_of(plain(summarize(scene, frames)))
     compared = {name: _compared(values, np.array(computed[name], float)) for name, values in recorded.items()}
     allowed = max(SAME, TOLERANCES * scene.tolerance / min(scene.delta_n, scene.delta_t))
@@ -59,20 +59,21 @@ def read(file: str) -> tuple[dict[str, Any], Scene, dict[str, np.ndarray]]:
     try:
         if zipfile.is_zipfile(file):
             with np.load(file) as held:
-                report, values = json.loads(str(held["report"])), {name: held[name] for name in (*NUMBERS, "u", "T")}
+                report = json.loads(str(held["report"]))
+                values = {
+                    name: held[name] for name in (*NUMBERS, "u", "T") if name in held or report["schema"] == SCHEMA
+                }
         else:
             with open(file, encoding="utf-8") as text:
                 report = json.load(text)
             values = None
-        if report["schema"] > SCHEMA:
-            raise InputError(f"{file!r}: schema {report['schema']}; allowed: up to {SCHEMA}; use a newer version")
+        if report["schema"] != SCHEMA:
+            remedy = "use the version that wrote it, or write it again"
+            raise InputError(f"{file!r}: schema {report['schema']}; allowed: {SCHEMA}; {remedy}")
         if report["method"] not in METHODS:
             allowed = f"allowed: {', '.join(METHODS)}; use the version that wrote the file"
             raise InputError(f"{file!r}: method {report['method']!r}; {allowed}")
-        if report.get("changes"):
-            how = "allowed: one scene for the whole run; use the version that wrote the file"
-            raise InputError(f"{file!r}: its parameters change along the run; {how}")
-        values = numbers_of(report) if values is None else values
+        values = numbers_of(report) if values is None else {name: values[name] for name in (*NUMBERS, "u", "T")}
         return report, _scene(report["scene"]), {name: np.asarray(each, float) for name, each in values.items()}
     except InputError:
         raise

@@ -1,7 +1,7 @@
 """The report of an increment: displacements and tractions of the patch, forces, contact area."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -62,15 +62,8 @@ class SlipEvent:
     located: bool = True
     sensitive: bool = False
 
-    def as_dict(self) -> dict[str, Any]:
-        """The event by plain names, as JSON has it: the load is "delta" in approach and retraction, else "U_x"."""
-        load = moving(self.stage)
-        numbers = {"F_bar": self.F_bar, "L_bar": self.L_bar, "A_bar": self.A_bar}
-        flags = {"kind": self.kind, "located": self.located, "sensitive": self.sensitive}
-        return {"stage": self.stage, load: self.load} | numbers | flags
 
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame:
     """One converged increment (paper Eq. 6 for the forces). Frames are equal only if they are the same object.
 
@@ -80,14 +73,14 @@ class Frame:
     F_bar, L_bar: forces over w E; A_bar: length in contact over w.
     """
 
-    scene: Scene = field(repr=False)
+    scene: Scene
     stage: str  # of the load path: as of `load_steps.LoadStep`
     index: int  # of the increment within its stage
     U_x: float  # nm, of the stage
     delta: float  # nm, of the stage
     first: int
-    u: NDArray[np.float64] = field(repr=False)
-    T: NDArray[np.float64] = field(repr=False)
+    u: NDArray[np.float64]
+    T: NDArray[np.float64]
     F_bar: float
     L_bar: float
     A_bar: float
@@ -95,6 +88,10 @@ class Frame:
     evaluations: int  # force evaluations of this increment
     slips: tuple[SlipEvent, ...] = ()  # in this increment
     repeated: bool = False  # a state of an earlier lattice period, moved on and verified
+
+    def __repr__(self) -> str:
+        here = f"U_x = {self.U_x:.6g} nm, delta = {self.delta:.6g} nm, F = {self.F:.4g} N/m, L = {self.L:.4g} N/m"
+        return f"Frame({self.stage} {self.index}: {here}, A = {self.A_bar * self.scene.width:.4g} nm)"
 
     @cached_property
     def safe_damping(self) -> float:

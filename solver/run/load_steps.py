@@ -104,6 +104,15 @@ def position(scene, frame, slip=None) -> float:
     return far - abs((getattr(frame, name) - slip.load) / step.loading.direction[name == "delta"])
 
 
+def slip_at(scene, frame, slip) -> tuple[float, float]:
+    """(U_x, delta) of the stage, nm, at a SlipEvent of a Frame; under a held load delta is that of the Frame."""
+    step = next(step for step in load_steps_of(scene) if step.stage == slip.stage)
+    x, z = step.loading.direction
+    if not x:
+        return frame.U_x, slip.load
+    return slip.load, frame.delta + (frame.U_x - slip.load) * z / x
+
+
 def lifts(scene) -> bool:
     """Whether after the approach the top moves up and down only, so that curves are drawn along delta, not U_x."""
     return not any(step.loading.direction[0] for step in load_steps_of(scene))

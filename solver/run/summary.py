@@ -1,6 +1,7 @@
 """What Frames show: a run in a few numbers, and the surface away from the contact."""
 
 from collections.abc import Sequence
+from math import e
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,10 @@ from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
 from ..scene import Scene
-from .frame import Frame, kind, largest_safe_damping, slides_in
+from .frame import Frame, SlipEvent, kind, largest_safe_damping, moving, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
+
+ADHERES = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
 
 
 def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
@@ -27,7 +30,10 @@ def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
 
 
 def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
-    """x (m,) nm, u (nm) and T (GPa) (frames, 2, m). At nodes outside a frame's patch u is nan and T is 0."""
+    """x (m,), u (nm) and T (GPa) (frames, 2, m); x in nm from the middle of the cell.
+
+    At nodes outside a frame's patch u is nan and T is 0.
+    """
     first = min((frame.first for frame in frames), default=0)
     last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
     u = np.full((len(frames), 2, last - first), np.nan)
@@ -35,24 +41,71 @@ def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.flo
     for k, frame in enumerate(frames):
         patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
         u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    return {"x": np.arange(first, last) * scene.spacing, "u": u, "T": T}
+    return {"x": np.arange(first, last) * scene.spacing - scene.width / 2, "u": u, "T": T}
+
+
+def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
+    """{column: a value per Frame}: what a table, a CSV, an NPZ file and xarray hold of a run; units in the headings."""
+    least = least_force(frames)
+    values = {
+        "stage": lambda frame: frame.stage,
+        "U_x (nm)": lambda frame: frame.U_x,
+        "delta (nm)": lambda frame: frame.delta,
+        "U_x_top (nm)": lambda frame: frame.U_x_top,
+        "delta_top (nm)": lambda frame: frame.delta_top,
+        "F (N/m)": lambda frame: cleared(frame.F, least),
+        "L (N/m)": lambda frame: cleared(frame.L, least),
+        "A (nm)": lambda frame: frame.A_bar * frame.scene.width,
+        "residual (nm)": lambda frame: frame.residual,
+        "evaluations": lambda frame: frame.evaluations,
+        "slip": lambda frame: frame.slip,
+    }
+    return {name: [value(frame) for frame in frames] for name, value in values.items()}
+
+
+def widest(frames: Sequence[Frame]) -> float:
+    """The largest distance of the outermost nodes of a Frame that repel, or adhere to ADHERES of the peak, over w."""
+    widths = [0.0]
+    for frame in frames:
+        scene, T_z = frame.scene, frame.T[1]
+        acting = np.flatnonzero((T_z > 0.0) | (T_z < -ADHERES * scene.phi_n / (e * scene.delta_n)))
+        widths += [(acting[-1] - acting[0] + 1) / scene.nodes] if acting.size else []
+    return float(max(widths))
+
+
+def least_force(frames: Sequence[Frame]) -> float:
+    """Force (N/m) below which F and L of a run are zero: the largest one times the tolerance over delta_t."""
+    largest = max((max(abs(frame.F), abs(frame.L)) for frame in frames), default=0.0)
+    return max((frame.scene.tolerance / frame.scene.delta_t for frame in frames[:1]), default=0.0) * largest
+
+
+def cleared(force: float, least: float) -> float:
+    """The force, or 0.0 if it is no larger than `least`: what the tolerance leaves of a symmetric state."""
+    return 0.0 if abs(force) <= least else force
+
+
+def values_of(frame: Frame, event: SlipEvent, least: float = 0.0) -> dict[str, Any]:
+    """A SlipEvent of a Frame by plain names: stage, U_x or delta (nm), F, L (N/m), A (nm), kind, located, sensitive."""
+    forces = {"F": cleared(event.F_bar * frame.unit, least), "L": cleared(event.L_bar * frame.unit, least)}
+    where = {"stage": event.stage, moving(event.stage): event.load} | forces | {"A": event.A_bar * frame.scene.width}
+    return where | {"kind": event.kind, "located": event.located, "sensitive": event.sensitive}
 
 
 def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     """Describes a run in a few numbers, as `run --json` writes them.
 
     Parameters: scene: that of the end of the run; frames: all of them, in order.
-    Returns a dict: A_0 and the number of slips after the approach, U_s (nm), F_s and A_s at the first slip of a stage
-    that moves U_x, None where it does not exist. Forces are over w E.
+    Returns a dict: A_0 (nm) and the number of slips after the approach; U_s (nm), F_s, L_s (N/m) and A_s (nm) at the
+    first slip of a stage that moves U_x, None where it does not exist.
 
     Example: `summarize(Scene(), simulate(Scene()).frames)["U_s"]`
 
-    A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min, the least
-    load of a retraction, exists only with a stage 'unload'.
+    A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min (N/m), the
+    least load of a retraction, exists only with a stage 'unload'.
     """
-    events = [event.as_dict() for f in frames for event in f.slips]
-    sliding = (event.as_dict() for f in frames for event in slides_in(f))
-    first: dict[str, Any] = next(sliding, {})
+    least = least_force(frames)
+    events = [values_of(f, event, least) for f in frames for event in f.slips]
+    first: dict[str, Any] = next((values_of(f, e, least) for f in frames for e in slides_in(f)), {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {
         "converged": _converged(scene, frames),
@@ -61,13 +114,14 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
         "safe_damping": (safe := largest_safe_damping(frames)),
         "may_flutter": sum(f.may_flutter for f in frames) if safe > scene.damping else 0,
         "sensitive": sum(f.sensitive for f in frames),
-        "A_0": after[0].A_bar if after else None,
+        "A_0": after[0].A_bar * after[0].scene.width if after else None,
         "slips": sum(len(f.slips) for f in after),
         "U_s": first.get("U_x"),
-        "F_s": first.get("F_bar"),
-        "A_s": first.get("A_bar"),
+        "F_s": first.get("F"),
+        "L_s": first.get("L"),
+        "A_s": first.get("A"),
     }
-    if retraction := [f.L_bar for f in after if kind(f.stage) == "unload"]:
+    if retraction := [f.L for f in after if kind(f.stage) == "unload"]:
         summary["L_min"] = min(retraction)
     return summary
 

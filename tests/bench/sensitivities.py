@@ -39,7 +39,9 @@ VALUE, DERIVATIVE = 1e-4, 0.01  # largest errors against exact runs: U_s in nm, 
 def event_of(scene):
     """(4,) U_s (nm), F_s, L_s, A_s of the first slip of an exact run, or None."""
     events = sheared(ran(scene, until=lambda frame: sheared([frame]))[0])
-    return np.array([events[0].load, events[0].F_bar, events[0].L_bar, events[0].A_bar]) if events else None
+    force = scene.width * scene.E
+    bars = [events[0].load, events[0].F_bar * force, events[0].L_bar * force] if events else None
+    return np.array([*bars, events[0].A_bar * scene.width]) if bars else None
 
 
 def sizes(values):

@@ -17,12 +17,12 @@ from solver.analysis.measurement import Measurement
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 from solver.continuation.state import Restless
-from solver.files import curves_of
 from solver.following.follow import follow
 from solver.following.from_run import skeleton_of
 from solver.run.frame import slips_in
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import with_remedy
+from solver.run.summary import curves_of
 from solver.text import number_from_text
 
 FLAT = Scene(surface="flat", nodes=64, width=156.25, height=16.0, phi_ratio=0.1, damping=inf, tolerance=1e-11)
@@ -194,11 +194,10 @@ def test_held_load_refuses_a_spring_that_would_not_act():
     assert number_from_text("drive_t", "2 GPa/nm") == 2000.0 and number_from_text("drive_n", "inf") == inf
 
 
-def test_curves_have_columns_of_the_top_only_with_a_drive():
+def test_curves_have_columns_of_the_top_beside_those_of_the_stage():
     frames = list(load_path(PUNCH.changed(drive_t=8.0, u_x_max=2.0)))
     curves = curves_of(frames)
-    assert curves["U_x_top"][-1] == frames[-1].U_x_top < frames[-1].U_x == curves["U_x"][-1]
-    assert "U_x_top" not in curves_of(list(load_path(PUNCH.changed(u_x_max=0.5))))
+    assert curves["U_x_top (nm)"][-1] == frames[-1].U_x_top < frames[-1].U_x == curves["U_x (nm)"][-1]
 
 
 def test_plot_draws_forces_over_the_top_on_request():

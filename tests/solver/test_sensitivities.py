@@ -1,11 +1,12 @@
 """Derivatives of slips and curves are those of runs at parameters beside: by central differences, every surface."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solver import NotFollowed, Profile, Scene, follow, load_path, skeleton_of
+from solver import NotFollowed, Profile, Scene, follow, load_path, simulate, skeleton_of
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 from solver.presets import presets
@@ -42,17 +43,16 @@ def difference(skeleton, name, step):
     ends = []
     for side in (h, -h):
         found = sensitivities(follow(skeleton, skeleton.scene.changed(**{name: value + side})), ())
-        event = found.slips[0].event
-        ends.append(np.array([event.load, event.F_bar, event.L_bar, event.A_bar]))
+        ends.append(found.slips[0].values)
     return (ends[0] - ends[1]) / (2.0 * h)
 
 
-def size(found, event, value):
+def size(found, now, value):
     """What errors of derivatives (4,) are relative to: themselves, or a tenth of what they are of over the parameter.
 
     The latter where one nearly cancels; of a force the larger of both, as one may vanish.
     """
-    now = np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
+    now = now.copy()
     now[1:3] = np.abs(now[1:3]).max()
     return np.maximum(np.abs(found), 0.1 * np.abs(now / value)) + 1e-12
 
@@ -68,7 +68,7 @@ def test_derivatives_are_central_differences_of_followed_runs(kind):
         off = []
         for step in STEPS:
             slip = beside(skeleton, name, step)
-            off.append(np.abs(by - slip) / size(slip, found.slips[0].event, getattr(KINDS[kind], name)))
+            off.append(np.abs(by - slip) / size(slip, found.slips[0].values, getattr(KINDS[kind], name)))
         assert min(map(np.max, off)) < (HELD if KINDS[kind].hold == "load" else RIGHT), (name, by, off)
 
 
@@ -122,10 +122,26 @@ def test_a_state_that_newton_does_not_solve_is_refused(skeleton):
 
 
 def test_forces_over_E_depend_on_ratios_only(skeleton):
-    """Stiffness and strength together by a per cent change nothing that is over E."""
-    by = sensitivities(skeleton).slips[0].by
-    together = by["E"] * SMALL.E + by["phi_n"] * SMALL.phi_n
-    assert np.abs(together / (by["E"] * SMALL.E)).max() < 1e-6
+    """Stiffness and strength together by a per cent change U_s and A_s not at all, and forces by a per cent."""
+    slip = sensitivities(skeleton).slips[0]
+    together = slip.by["E"] * SMALL.E + slip.by["phi_n"] * SMALL.phi_n
+    assert together == pytest.approx(slip.values * [0.0, 1.0, 1.0, 0.0], abs=1e-6 * np.abs(slip.values).max())
+
+
+def test_the_derivative_of_F_s_by_E_is_that_of_the_force_in_newton_per_metre():
+    """At the default friction grows with E in N/m, while it falls over w E."""
+    scene = Scene(nodes=256, width=625.0, u_x_max=20.0)
+    slip = sensitivities(skeleton_of(scene), ("E",), branches=False).slips[0]
+    ends = [simulate(scene.changed(E=scene.E + h)).first_slip for h in (0.5, -0.5)]
+    assert slip.values[1] == pytest.approx(simulate(scene).first_slip.F_s, rel=1e-5)
+    assert slip.by["E"] == pytest.approx(np.subtract(*ends), rel=0.01, abs=1e-3) and slip.by["E"][1] > 0.0
+
+
+def test_a_sensitivity_prints_the_slip_with_its_units(skeleton):
+    slip = sensitivities(skeleton, ("E",)).slips[0]
+    assert re.fullmatch(
+        r"SlipSensitivity\(U_s = [\d.]+ nm, F_s = [\d.]+ N/m, L_s = .* N/m, A_s = .* nm; by E and by .*", repr(slip)
+    )
 
 
 def test_later_slips_repeat_the_first_but_for_the_period(skeleton):
@@ -133,7 +149,7 @@ def test_later_slips_repeat_the_first_but_for_the_period(skeleton):
     last, before = found.slips[-1], found.slips[-2]
     assert last.event.load - before.event.load == pytest.approx(skeleton.period)
     assert last.by["width"][0] - before.by["width"][0] == pytest.approx(skeleton.sites / SMALL.nodes)
-    assert last.by["E"] is before.by["E"]
+    assert last.by["E"].tolist() == before.by["E"].tolist()
 
 
 def test_smooth_sliding_has_curves_and_no_slips():
@@ -150,4 +166,4 @@ def test_edge_nodes_control_a_peeling_contact_and_all_nodes_another(phi_ratio, l
     slip = sensitivities(skeleton_of(scene), ("phi_n",), branches=False).slips[0]
     from_middle = np.abs(np.arange(scene.nodes) - scene.nodes / 2) * scene.spacing
     middle = from_middle < 0.25 * slip.event.A_bar * scene.width
-    assert low < slip.nodes[1][middle].sum() / slip.event.F_bar < high
+    assert low < slip.nodes[1][middle].sum() / slip.values[1] < high
