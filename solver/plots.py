@@ -25,7 +25,7 @@ BACKENDS = {".html": "bokeh", ".png": "matplotlib", ".svg": "matplotlib"}
 LINE = 90  # characters of a line of the title
 # Below each other: as wide as a column of text, three on one screen
 SIZES = {"bokeh": {"width": 700, "height": 240}, "matplotlib": {"aspect": 3}}
-UNITS = {"U_s": "nm", "F_s": "wE", "A_s": "w", "A_0": "w", "L_min": "wE"}
+UNITS = {"U_s": "nm", "F_s": "N/m", "A_s": "nm", "A_0": "nm", "L_min": "N/m"}
 
 
 def experiment(scene: Scene, frames: Sequence[Frame], over_top: bool = False) -> hv.Layout:
@@ -43,7 +43,7 @@ def experiment(scene: Scene, frames: Sequence[Frame], over_top: bool = False) ->
     forces = hv.Overlay(
         [hv.Curve((at, [getattr(f, name) for f in frames]), across, force, label=name) for name in "FL"]
     )
-    areas = hv.Curve((at, [frame.A_bar * frame.scene.width for frame in frames]), across, area)
+    areas = hv.Curve((at, [frame.A for frame in frames]), across, area)
     return _sized(forces + areas + _contact_map(scene, frames, hv.Dimension(along, unit="nm")))
 
 

@@ -26,8 +26,8 @@ def add_map(commands: Any) -> None:
     """Adds `map` to the subcommands."""
     text = "Computes the first slip over two parameters. Each point is continued from a neighbour, or is a run."
     epilog = (
-        "Columns: i, j, the parameters, regime, U_s (nm), F_s, A_s, A_0, asymmetry, sites, reattached, L_min, branches,"
-        " followed, evaluations, reason, scene, version. docs/files.md defines them."
+        "Columns: i, j, the parameters, regime, U_s, A_s, A_0 (nm), F_s, L_min (N/m), asymmetry, sites,"
+        " reattached, branches, followed, evaluations, reason, scene, version. docs/files.md defines them."
     )
     parser = add_command(commands, "map", mapped, "first slips over two parameters", text, epilog)
     form = "NAME=LOW:HIGH:COUNT[:log]"

@@ -91,7 +91,7 @@ class Frame:
 
     def __repr__(self) -> str:
         here = f"U_x = {self.U_x:.6g} nm, delta = {self.delta:.6g} nm, F = {self.F:.4g} N/m, L = {self.L:.4g} N/m"
-        return f"Frame({self.stage} {self.index}: {here}, A = {self.A_bar * self.scene.width:.4g} nm)"
+        return f"Frame({self.stage} {self.index}: {here}, A = {self.A:.4g} nm)"
 
     @cached_property
     def safe_damping(self) -> float:
@@ -119,6 +119,11 @@ class Frame:
     def L(self) -> float:
         """Normal load, N/m."""
         return self.L_bar * self.unit
+
+    @property
+    def A(self) -> float:
+        """Contact area, nm."""
+        return self.A_bar * self.scene.width
 
     @property
     def U_x_top(self) -> float:

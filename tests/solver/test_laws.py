@@ -203,7 +203,8 @@ def test_onset_is_the_run_up_to_its_first_slip():
     scene = SMALL.changed(u_x_max=12.0)
     frames = [f for f in load_path(scene) if f.stage == "shear"]
     k, whole, found = next(i for i, f in enumerate(frames) if f.slip), summarize(scene, frames), onset(scene)
-    assert (found.U_s, found.F_s, found.A_s, found.A_0) == tuple(whole[name] for name in ("U_s", "F_s", "A_s", "A_0"))
+    units = {"U_s": 1.0, "F_s": scene.width * scene.E, "A_s": scene.width, "A_0": scene.width}
+    assert all(getattr(found, name) * unit == whole[name] for name, unit in units.items())
     assert found.F.tolist() == [f.F_bar for f in frames[:k]] + [found.F_s]
     assert (found.U[0], found.U[-1], found.A[0], found.A[-1]) == (0.0, found.U_s, found.A_0, found.A_s)
     assert found.L.size == found.U.size

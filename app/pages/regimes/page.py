@@ -32,14 +32,14 @@ AXES = {  # axes to choose from: label, low, high, whether logarithmic, ticks
     "phi_n": ("adhesion φₙ (N/m)", 0.5, 5.0, True, (0.5, 1.0, 2.0, 5.0)),
     "nu": ("Poisson's ratio ν", 0.1, 0.45, False, (0.1, 0.2, 0.3, 0.4)),
 }
-QUANTITIES = {  # of a Point: label, unit, and the parameters that normalise it
-    "F_s": ("friction Fₛ", "N/m", ("width", "E")),
-    "U_s": ("displacement Uₛ", "nm", ()),
-    "A_s": ("contact area Aₛ", "nm", ("width",)),
-    "asymmetry": ("peel asymmetry", "", ()),
-    "sites": ("sites of a slip", "", ()),
-    "reattached": ("share reattached", "", ()),
-    "L_min": ("load L at pull-off", "N/m", ("width", "E")),
+QUANTITIES = {  # of a Point: label and unit
+    "F_s": ("friction Fₛ", "N/m"),
+    "U_s": ("displacement Uₛ", "nm"),
+    "A_s": ("contact area Aₛ", "nm"),
+    "asymmetry": ("peel asymmetry", ""),
+    "sites": ("sites of a slip", ""),
+    "reattached": ("share reattached", ""),
+    "L_min": ("load L at pull-off", "N/m"),
 }
 MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
@@ -181,8 +181,6 @@ class Page(Sheet):
         points = [point for point, _ in self.known.values()]
         codes = self.grid.array(points, "regime")
         image = self.grid.array(points, self.of)
-        for name in QUANTITIES[self.of][2]:
-            image = image * self._everywhere(name)
         if points:  # unknown points take the value of the nearest known one
             nearest = tuple(distance_transform_edt(codes < 0, return_distances=False, return_indices=True))
             image, codes = image[nearest].astype(np.float32), codes[nearest]
@@ -198,18 +196,13 @@ class Page(Sheet):
         self.draw("map", "own", i=own[:1], j=own[1:])
         self._describe(points, image, regimes)
 
-    def _everywhere(self, name):
-        """Return the values of a parameter, to multiply with (rows, columns)."""
-        values = {self.grid.x.name: self.grid.x.values, self.grid.y.name: self.grid.y.values[:, None]}
-        return values.get(name, getattr(self.grid.scene, name))
-
     def _describe(self, points, image, codes):
         followed, without = (sum(bool(getattr(p, name)) for p in points) for name in ("followed", "reason"))
         text = f"{len(points)} of {self.grid.size} points, {followed} of them predicted, the others computed."
         if without:
             why = next(point.reason for point in points if point.reason)
             text += f" {without} without a result: {why}."
-        label, unit, _ = QUANTITIES[self.of]
+        label, unit = QUANTITIES[self.of]
         ends = limits(image)
         low, high = (f"{value + 0.0:.3g}".replace("-", "−") for value in ends)  # no -0
         beyond = np.any(image < ends[0]), np.any(image > ends[1])

@@ -10,8 +10,14 @@ import { me } from "./store.js"
 import { parameters } from "./words.js"
 
 const NAME = "mixed-mode-contact"
-const TOP = { U_x_top: "U_x", delta_top: "delta" } // with a drive that has a stiffness
-const COLUMNS = ["U_x", "delta", "F_bar", "L_bar", "A_bar", "residual", "evaluations", "slip"] // as solver/files.py
+// Columns as in `Result.table`: heading, and the value of an increment
+const COLUMNS = {
+  stage: (run, k) => run.leg(k), "U_x (nm)": (run, k) => run.curves.U_x[k], "delta (nm)": (run, k) => run.curves.delta[k],
+  "U_x_top (nm)": (run, k) => run.top(k, "U_x"), "delta_top (nm)": (run, k) => run.top(k, "delta"),
+  "F (N/m)": (run, k) => run.values(k).F, "L (N/m)": (run, k) => run.values(k).L, "A (nm)": (run, k) => run.values(k).A,
+  "residual (nm)": (run, k) => run.curves.residual[k], evaluations: (run, k) => run.curves.evaluations[k],
+  slip: (run, k) => (run.curves.slip[k] > 0 ? "True" : "False"),
+}
 let connected = false
 
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
@@ -55,18 +61,14 @@ export function download(blob, ending) {
   say(`saved ${name}`)
 }
 
-const UNITS = "U_x, delta, residual in nm; F_bar = F/(w E), L_bar = L/(w E), A_bar = A/w"
-const number = (value) => `${Number(value.toPrecision(7))}` // of single precision
+// Of single precision
+const shown = (value) => (typeof value === "number" ? `${Number(value.toPrecision(7))}` : value)
 
-// Comments with the scene and the units, then a row per increment after the approach, as `solver.files.write_csv`
+// A comment with the scene, then a row per increment after the approach
 export function csv(run) {
-  const tops = run.driven ? Object.entries(TOP) : []
-  const rows = run.curves.stage.flatMap((_, k) => (k < run.sheared ? []
-    : [[...COLUMNS.map((name) => (name === "slip" ? `${Number(run.curves.slip[k] > 0)}` : number(run.curves[name][k]))),
-      ...tops.map(([, along]) => number(run.top(k, along))), run.leg(k)].join(",")]))
-  const comments = [parameters(), UNITS].map((text) => `# ${text}`)
-  const heading = [...COLUMNS, ...tops.map(([name]) => name), "stage"]
-  return [...comments, heading.join(","), ...rows, ""].join("\n")
+  const after = run.curves.stage.map((_, k) => k).filter((k) => k >= run.sheared)
+  const rows = after.map((k) => Object.values(COLUMNS).map((value) => shown(value(run, k))).join(","))
+  return [`# ${parameters()}`, Object.keys(COLUMNS).join(","), ...rows, ""].join("\n")
 }
 
 const say = (text) => { by("share-status").textContent = text }

@@ -29,11 +29,11 @@ LOST = 0.1  # node spacings; of less peeled area no share is given: edges are in
 class Point:
     """A point (i, j) of a map; picklable. Numbers are None where there is none.
 
-    U_s (nm), F_s, A_s at the first slip, A_0 at U_x = 0: as of `summarize`. asymmetry: as of `peel_asymmetry`, from
-    U_x = 0 up to the slip. sites: the sites by which the slip moves the node of least gap. reattached: the part of the
-    area lost before the slip that the slip restores, 0 where the area shrinks. L_min: the pull-off, on path unload
-    only. branches: those until the run repeats itself, 0 if unknown. Where a contact detaches under a held load, U_s,
-    F_s and A_s are those of the last increment.
+    U_s (nm), F_s (N/m), A_s (nm) at the first slip, A_0 (nm) at U_x = 0: as of `summarize`. asymmetry: as of
+    `peel_asymmetry`, from U_x = 0 up to the slip. sites: the sites by which the slip moves the node of least gap.
+    reattached: the part of the area lost before the slip that the slip restores, 0 where the area shrinks. L_min (N/m):
+    the pull-off, on path unload only. branches: those until the run repeats itself, 0 if unknown. Where a contact
+    detaches under a held load, U_s, F_s and A_s are those of the last increment.
     """
 
     i: int = 0
@@ -100,9 +100,9 @@ def at_slip(start: Frame, before: Frame, after: Frame, event: SlipEvent) -> dict
     return {
         "regime": regime,
         "U_s": event.load,
-        "F_s": event.F_bar,
-        "A_s": event.A_bar,
-        "A_0": start.A_bar,
+        "F_s": event.F_bar * start.unit,
+        "A_s": event.A_bar * start.scene.width,
+        "A_0": start.A,
         "asymmetry": None if np.isnan(asymmetry) else asymmetry,
         "sites": sites,
         "reattached": max(0.0, after.A_bar - event.A_bar) / lost if lost > LOST / start.scene.nodes else None,
@@ -119,10 +119,10 @@ def of_skeleton(skeleton: Skeleton) -> dict[str, Any]:
     """Fields of a Point from the Skeleton of its run."""
     start = skeleton.frames([0.0])[0]
     if not touches(start):
-        return {"regime": NEVER_TOUCHES, "A_0": start.A_bar}
+        return {"regime": NEVER_TOUCHES, "A_0": start.A}
     counted = {"branches": len(skeleton.branches)}
     event = next(iter(slips_in(skeleton)), None)
     if event is None:
-        return counted | {"regime": SMOOTH if skeleton.branches[0].periodic else STICKS, "A_0": start.A_bar}
+        return counted | {"regime": SMOOTH if skeleton.branches[0].periodic else STICKS, "A_0": start.A}
     before, after = skeleton.frames([event.load, np.nextafter(event.load, np.inf)])
     return counted | at_slip(start, before, after, event)

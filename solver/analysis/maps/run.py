@@ -64,17 +64,17 @@ def _skeleton(scene, checkpoint):
 def _of_shear(sheared, skeleton, reason, off):
     """Fields of a Point from the Frames of a shear; reason: why the run ended early, or ""; off: by pull-off."""
     if sheared and not touches(sheared[0]):
-        return {"regime": NEVER_TOUCHES, "A_0": sheared[0].A_bar}
+        return {"regime": NEVER_TOUCHES, "A_0": sheared[0].A}
     slipping = next((k for k, f in enumerate(sheared) if slips_in(f)), None)
     if slipping is not None:
         return _at_slip(sheared, slipping, skeleton)
     if off:  # numbers of the last Frame, within du_x of the end
         last = sheared[-1] if sheared else None
-        numbers = {"U_s": last.U_x, "F_s": last.F_bar, "A_s": last.A_bar, "A_0": sheared[0].A_bar} if last else {}
+        numbers = {"U_s": last.U_x, "F_s": last.F, "A_s": last.A, "A_0": sheared[0].A} if last else {}
         return {"regime": DETACHES} | numbers
     if skeleton is not None:
         return of_skeleton(skeleton)
-    return {"reason": reason} if reason else {"regime": STICKS, "A_0": sheared[0].A_bar}
+    return {"reason": reason} if reason else {"regime": STICKS, "A_0": sheared[0].A}
 
 
 def _at_slip(sheared, k, skeleton):
