@@ -35,6 +35,9 @@ function difference(a, b) {
   return [...new Set([...Object.keys(a), ...Object.keys(b)])].filter((name) => a[name] !== b[name]).toSorted().join()
 }
 
+// Whether the address has another scene than the page
+export const sceneChanges = () => difference(sceneOf(location.search), me.status.address) !== ""
+
 export function writeAddress() {
   if (!me.status.values) return
   const { address } = me.status, text = JSON.stringify(address)

@@ -132,14 +132,15 @@ export function tint(part, value) {
   for (const key of ["line_color", "fill_color", "text_color"]) if (key in model) set(model, { [key]: value })
 }
 
-// Lines and marks so many times as thick as they were composed
+// Lines so many times as thick as they were composed, and marks larger by less: they must not hide what they mark
 const composed = new WeakMap() // model: its own line_width and size
 export function thicken(item, times) {
   const model = item.glyph ?? item
   if (!composed.has(model)) composed.set(model, { line_width: model.line_width, size: model.size })
+  const factors = { line_width: times, size: Math.sqrt(times) }
   for (const [key, given] of Object.entries(composed.get(model))) {
     const value = given?.value ?? given
-    if (typeof value === "number") set(model, { [key]: value * times })
+    if (typeof value === "number") set(model, { [key]: value * factors[key] })
   }
 }
 

@@ -2,6 +2,7 @@
 
 const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
 
+const TEXT = 0.88 // of the text of the page
 let read = {}, shown = new WeakMap() // variables of the page's styles, and whether elements are visible
 
 // Read them again: the theme, the size, or what is shown, has changed
@@ -17,6 +18,10 @@ export function isShown(element) {
   if (!shown.has(element)) shown.set(element, element.checkVisibility())
   return shown.get(element)
 }
+
+// px, of text in figures and on canvases
+export const textSize = () => (
+  read.size ??= Math.floor(TEXT * parseFloat(getComputedStyle(document.documentElement).fontSize)))
 
 export const theme = () => document.documentElement.dataset.theme
 

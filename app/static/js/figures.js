@@ -3,7 +3,7 @@
 import {
   fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
 } from "./bokeh.js"
-import { colour, isShown, nice, readAgain, shades, theme } from "./colours.js"
+import { colour, isShown, nice, readAgain, shades, textSize, theme } from "./colours.js"
 import { by, tell } from "./dom.js"
 import { digits, named } from "./quantities.js"
 import { me } from "./store.js"
@@ -220,7 +220,7 @@ export function stretchText(view) {
 export function paint() {
   readAgain()
   const text = colour("--text"), soft = colour("--soft"), grid = colour("--grid")
-  const size = parseFloat(colour("--plot-text")), large = size > 15 // for a projector
+  const size = textSize(), large = size > 15 // for a projector
   for (const name in figures) {
     const figure = figures[name]
     viewOf(figure) // the Tab key passes it

@@ -1,6 +1,6 @@
 // Drawing on a canvas above a figure: text, arrows, and the colours of style.css.
 
-import { colour } from "./colours.js"
+import { colour, textSize } from "./colours.js"
 import { make } from "./dom.js"
 
 // The pen of an emptied canvas, in pixels of the page; null while it has no size
@@ -48,10 +48,10 @@ const INKS = ["page", "text", "soft", "body", "shear", "normal", "slip", "repuls
   "area"]
 export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`--${name}`)]))
 
-export const size = () => parseFloat(colour("--plot-text")) || 13
+export { textSize as size } from "./colours.js"
 
 const font = (scale = 1, bold = false) =>
-  `${bold ? "600 " : ""}${Math.round(size() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
+  `${bold ? "600 " : ""}${Math.round(textSize() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`
 
 // Text with a rim of the page's colour, so that it is legible over anything; returns from where to where it reaches.
 // Where it would leave the box it is moved, or, if it `stays` where it is, left out

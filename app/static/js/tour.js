@@ -1,5 +1,6 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
+import { sceneChanges } from "./address.js"
 import { frameBox } from "./bokeh.js"
 import { by, make, makeButton, readdress, tell } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
@@ -20,7 +21,7 @@ let at = 0, phase = "ask", chosen = null, card = null
 
 export function openTour(stop = 1) {
   readdress((asked) => asked.delete("tour")) // it opens the tour, and whoever gets a link from here would be in it
-  addEventListener("popstate", close) // Back brings another scene: it is not that of the question
+  addEventListener("popstate", left)
   at = Math.max(0, Math.min(STOPS.length - 1, stop - 1))
   card ??= makeCard()
   card.hidden = false
@@ -32,17 +33,23 @@ function close() {
   card.hidden = true
   delete document.documentElement.dataset.tour
   for (const name of CURVES) curtain(name).hidden = true
-  removeEventListener("popstate", close)
+  removeEventListener("popstate", left)
   by("tour").focus()
+}
+
+// Back may bring another scene, which is not that of the question; where it closes a page the tour goes on
+function left() {
+  if (sceneChanges()) close()
 }
 
 function makeCard() {
   const made = make("section", { id: "tour-card", "aria-label": "Tour" })
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
   document.addEventListener("keydown", onDigit)
-  document.querySelector("main").append(made)
+  document.querySelector(".views").append(made)
   view(["status", "run", "lost", "stale", "drawn"], watch)
   cover(["picture", "run", "look"], hideFuture)
+  cover(["look"], drawReason)
   return made
 }
 
@@ -180,7 +187,13 @@ function writeReason(stop) {
   const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
   const picture = make("canvas", { className: "picture-of" })
   card.append(make("p", { role: "status" }, yes, explained("span", "", stop.why)), picture)
-  PICTURES[stop.picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
+  drawReason()
+}
+
+// Its picture, also in another size or theme
+function drawReason() {
+  const picture = card.querySelector(".picture-of")
+  if (picture && !card.hidden) PICTURES[STOPS[at].picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
 }
 
 // Buttons to the stop before, to the visitor's turn, and on; the last leads to the end

@@ -44,14 +44,15 @@ export const PICTURES = {
 function bars(canvas, list) {
   const pen = cleared(canvas), ink = inks()
   if (!pen) return
-  const { clientWidth: width, clientHeight: height } = canvas, high = height / list.length, from = 0.34 * width
+  const { clientWidth: width, clientHeight: height } = canvas, high = height / list.length, from = 0.42 * width
   const most = Math.max(...list.map(([, value]) => value), 1e-9)
+  const scale = Math.min(1, high / (1.5 * size()))
   list.forEach(([name, value, unit, colour], i) => {
-    const y = (i + 0.5) * high, long = (value / most) * (0.4 * width)
-    write({ pen, ink }, name, from - 8, y, { align: "right" })
+    const y = (i + 0.5) * high, long = (value / most) * (0.34 * width)
+    write({ pen, ink }, name, from - 8, y, { align: "right", scale })
     pen.fillStyle = ink[colour]
     pen.fillRect(from, y - 0.3 * high, Math.max(1, long), 0.6 * high)
     write({ pen, ink }, `${fixed(value, value < 99 ? 1 : 0)} ${unit}`, from + long + 8, y,
-      { align: "left", scale: size() > 15 ? 0.9 : 1 })
+      { align: "left", scale })
   })
 }
