@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import PATIENCE, PLAYING, finished
+from served import PATIENCE, PLAYING, finished, from_menu
 from tabs import imported
 
 
@@ -145,7 +145,7 @@ def test_a_run_that_fails_behind_a_picture_says_why(look):
 def test_help_lists_the_keys_and_opens_by_keyboard_and_mouse(look):
     page = look()
     help_ = page.get_by_role("dialog", name="Keys")
-    page.get_by_role("button", name="Keys and other help").click()
+    from_menu(page, "#help")
     for key in ("Space", "Shift", "Home", "End", "R", "←", "→"):
         assert help_.locator("kbd", has_text=re.compile(rf"^{key}$")).count() >= 1
     at = page.evaluate("punch.status.run")

@@ -1,7 +1,7 @@
 """The parameter drawer: its layout, search, restoring values and error messages."""
 
 import pytest
-from served import FAULTS, PATIENCE, finished, laid_out
+from served import FAULTS, PATIENCE, finished, from_menu, laid_out
 
 pytestmark = [pytest.mark.thorough]
 QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
@@ -13,10 +13,7 @@ def test_views_make_room_for_the_parameter_drawer(look, size):
     page = look()
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
-    before = "menu" if size[0] < 600 else "more"  # on a phone the button is in the menu, which folds itself
-    if before == "menu":
-        page.get_by_role("button", name="Menu").click()
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     drawer = page.get_by_role("dialog", name="Parameters")
     drawer.wait_for()
     laid_out(page)
@@ -29,13 +26,13 @@ def test_views_make_room_for_the_parameter_drawer(look, size):
     page.mouse.move(1, 1)  # off the terms, whose explanations Escape takes away first
     page.keyboard.press("Escape")
     drawer.wait_for(state="hidden")
-    page.wait_for_function(f"document.activeElement.id === '{before}'")
+    page.wait_for_function("document.activeElement.id === 'menu'")
 
 
 def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
     page = look(f"?surface=rough&{QUICK}")
     finished(page)
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     shown = lambda name: page.locator(f"#{name}-entry").is_visible()  # noqa: E731
     page.locator("#hurst-entry").wait_for()
     assert shown("u_x_max") and not shown("radius") and not shown("amplitude")
@@ -58,7 +55,7 @@ def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
 def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(look):
     page = look()
     finished(page)
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     page.select_option("#surface-entry", "measured")
     page.locator("#surface-error").wait_for(timeout=PATIENCE)
     assert page.input_value("#surface-entry") == "circular"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE, finished, from_menu
 from tabs import imported
 
 from solver import load_path
@@ -31,7 +31,7 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
     page.keyboard.press("End")
     page.get_by_text(f"Uₓ = {last.U_x:.1f} nm (top {last.U_x_top:.1f} nm)").wait_for(timeout=PATIENCE)
 
-    page.locator("#take").click()
+    from_menu(page, "#take")
     with page.expect_download() as download:
         page.locator("#save-csv").click()
     lines = Path(download.value.path()).read_text(encoding="utf-8").splitlines()
@@ -56,7 +56,7 @@ def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
     assert "drive_t=4" in page.url
     entered = page.evaluate("punch.status.values")
     assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
-    page.locator("#more").click()
+    from_menu(page, "#more")
     page.locator("#drive_t-entry").fill("0")
     page.keyboard.press("Enter")
     page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)

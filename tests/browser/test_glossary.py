@@ -1,7 +1,7 @@
 """Explanations of terms by click, key and touch, and their list below the theory."""
 
 import pytest
-from served import FAULTS, finished, laid_out
+from served import FAULTS, finished, from_menu, laid_out
 
 from app.glossary import forms
 
@@ -89,7 +89,7 @@ def test_touching_a_term_loads_and_shows_its_explanation_on_screen_until_the_nex
 @pytest.mark.thorough
 def test_theory_lists_every_term_of_the_glossary(look):
     page = look()
-    page.locator("#open-theory").click()
+    from_menu(page, "#open-theory")
     page.locator("#theory .glossary").wait_for()
     listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")
     assert set(listed) == set(forms().values()) >= {"traction", "gap", "work", "branch", "fold", "flutter", "peel"}

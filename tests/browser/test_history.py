@@ -1,7 +1,7 @@
 """Undo, redo, browser history, and addresses that restore scene, increment and page."""
 
 import pytest
-from served import FAULTS, PATIENCE, PLAYING, finished, laid_out, values_are
+from served import FAULTS, PATIENCE, PLAYING, finished, from_menu, laid_out, values_are
 
 pytestmark = [pytest.mark.thorough]
 
@@ -14,7 +14,7 @@ def enter(page, name, text):
 def test_ctrl_z_undoes_settled_changes_and_ctrl_y_redoes_them(visit):
     page = visit("?du_x=0.5&u_x_max=10")
     finished(page)
-    assert page.get_by_role("button", name="Undo").is_disabled()
+    assert page.locator("#undo").is_disabled()
     page.focus("#delta_bar")
     for _ in range(5):  # one movement of the hand is one change
         page.keyboard.press("ArrowRight")
@@ -27,12 +27,12 @@ def test_ctrl_z_undoes_settled_changes_and_ctrl_y_redoes_them(visit):
     assert "E=" not in page.url and "delta_bar=0.05" in page.url
     page.locator("body").press("Control+z")
     values_are(page, delta_bar=0, E=70)
-    assert page.get_by_role("button", name="Undo").is_disabled()
+    assert page.locator("#undo").is_disabled()
     page.locator("body").press("Control+y")
     values_are(page, delta_bar=0.05, E=70)
     page.locator("body").press("Control+Shift+z")
     values_are(page, delta_bar=0.05, E=200)
-    assert page.get_by_role("button", name="Redo").is_disabled()
+    assert page.locator("#redo").is_disabled()
     assert page.input_value("#E-entry") == "200"
 
 
@@ -42,7 +42,7 @@ def test_browser_back_and_forward_undo_and_redo_changes_and_pages(visit):
     page.select_option("#preset", "fig7-case2")
     values_are(page, delta_bar=0.4)
     page.wait_for_url("**preset=fig7-case2**")  # a settled change is an entry of the history
-    page.get_by_role("button", name="Interface law").click()
+    from_menu(page, "nav [data-page=law]")
     page.wait_for_url("**page=law**")
     page.go_back()  # the page was opened last
     page.wait_for_function("!location.search.includes('page=law')")
@@ -65,7 +65,7 @@ def test_undo_after_reset_restores_the_parameter_that_was_changed_last(visit):
     page.get_by_role("button", name="Reset", exact=True).click()
     values_are(page, E=70)
     page.wait_for_function("!location.search.includes('E=')")
-    page.get_by_role("button", name="Undo").click()
+    from_menu(page, "#undo")
     values_are(page, E=80)
 
 
@@ -73,7 +73,7 @@ def test_undo_after_reset_restores_the_parameter_that_was_changed_last(visit):
 def test_undo_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
     page.set_input_files("#profile", tmp_path / "wave.csv")
     values_are(page, surface="measured")
@@ -81,7 +81,7 @@ def test_undo_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page.locator("#drawer").get_by_role("button", name="Close").click()
     page.get_by_role("button", name="Reset", exact=True).click()
     values_are(page, surface="circular", width=2500)
-    page.get_by_role("button", name="Undo").click()
+    from_menu(page, "#undo")
     values_are(page, surface="measured", width=500)
     assert page.evaluate("punch.run.curves.F_bar") == curve
     page.reload()

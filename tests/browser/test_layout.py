@@ -1,7 +1,7 @@
 """The layout at every screen size: no clipped text, no overlap, and plots that are high enough."""
 
 import pytest
-from served import FAULTS, MODEL, faults_at, finished, laid_out
+from served import FAULTS, MODEL, faults_at, finished, from_menu, laid_out
 
 pytestmark = [pytest.mark.thorough]
 
@@ -100,7 +100,7 @@ def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
     page.locator("#law").wait_for()
     assert not page.locator("nav").is_visible()  # the menu folds itself
     page.get_by_role("button", name="Menu").click()
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     page.wait_for_function("document.getElementById('find').getBoundingClientRect().bottom < innerHeight - 150")
 
 

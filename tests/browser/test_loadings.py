@@ -5,7 +5,7 @@ import io
 import re
 
 import pytest
-from served import PATIENCE, finished, paused_at
+from served import PATIENCE, finished, from_menu, paused_at
 
 pytestmark = [pytest.mark.thorough]
 AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
@@ -100,7 +100,7 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
     shown = forces_of(page, slips[1])  # where it rests, the page says its forces aloud
     for name, value in shown.items():
         assert value == pytest.approx(shown["curve"], rel=5e-3), name
-    page.get_by_role("button", name="Share").press("Enter")
+    from_menu(page, "#take")
     with page.expect_download() as download:
         page.locator("#save-csv").press("Enter")
     text = download.value.path().read_text()
@@ -113,7 +113,7 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
 def test_an_uploaded_profile_is_used_and_an_invalid_one_keeps_the_run(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")
     page.set_input_files("#profile", tmp_path / "bad.csv")
     page.wait_for_function(

@@ -1,7 +1,7 @@
 """Pinned runs in Chromium: overlays and links."""
 
 import pytest
-from served import MODEL, PATIENCE, finished
+from served import MODEL, PATIENCE, finished, from_menu
 
 from solver import Scene, load_path
 
@@ -18,7 +18,7 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     page = look()
     finished(page)
     page.locator("body").press("End")
-    page.get_by_role("button", name="Pin", exact=True).press("Enter")
+    from_menu(page, "#pin")
     chip = page.locator(".chip")
     chip.wait_for()
     page.focus("#E")

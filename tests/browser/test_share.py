@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 from PIL import Image
-from served import PATIENCE, finished, laid_out
+from served import PATIENCE, finished, from_menu, laid_out
 
 from solver.cli import main as command_line
 
@@ -21,7 +21,7 @@ def sheet(look):
     """The sheet of a run at rest, opened by keyboard."""
     page = look("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
     page.wait_for_function("punch.drawn === 209")
-    page.get_by_role("button", name="Share").press("Enter")
+    from_menu(page, "#take")
     page.wait_for_function("document.getElementById('share-python').value")
     yield page
     page.keyboard.press("Escape")
@@ -57,7 +57,7 @@ def test_copying_without_a_clipboard_works_or_says_what_to_press(visit):
             Object.defineProperty(navigator, "clipboard", { value: undefined })
         }"""
     )
-    page.get_by_role("button", name="Share").press("Enter")
+    from_menu(page, "#take")
     page.wait_for_function("document.getElementById('share-python').value")  # the sheet is complete
     page.locator("#copy-link").press("Enter")
     page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-status').textContent)")
@@ -140,11 +140,11 @@ def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(lo
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
-    page.get_by_role("button", name="Parameters").click()
+    from_menu(page, "#more")
     page.set_input_files("#profile", tmp_path / "wave.csv")
     finished(page, run=2)
     page.locator("#drawer").get_by_role("button", name="Close").click()
-    page.get_by_role("button", name="Share").click()
+    from_menu(page, "#take")
     page.wait_for_function("document.getElementById('share-python').value")
     (tmp_path / "mixed-mode-contact.json").write_bytes(saved(page, "[data-file=json]"))
     lines = page.input_value("#share-python")

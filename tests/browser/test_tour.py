@@ -1,7 +1,7 @@
 """The tour and the theory page in Chromium."""
 
 import pytest
-from served import PATIENCE, laid_out
+from served import FAULTS, PATIENCE, from_menu, laid_out
 from tabs import imported
 
 
@@ -126,30 +126,64 @@ SEEN = """(curve) => {
     const card = box('#tour-card'), asked = box(`.view[data-view=${curve}]`), punch = box('.punch')
     return inside(asked) && inside(card) && inside(punch) && apart(asked, card) && apart(punch, card)
 }"""
-SIZES = ((1440, 900), (1280, 720), (390, 844), (844, 390))
+WHOLE = """() => {
+    const card = document.getElementById("tour-card"), picture = card.querySelector(".picture-of")
+    const box = card.getBoundingClientRect(), seen = picture?.getBoundingClientRect()
+    return card.scrollHeight <= card.clientHeight + 1 && (!seen || seen.bottom <= box.bottom && seen.height >= 50)
+}"""
+SIZES = ((1920, 1080), (1366, 768), (1280, 720), (1024, 768), (390, 844), (844, 390))
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["?view=hero", "?view=projector"])
-def test_curve_of_a_tour_question_is_fully_visible_at_every_step(look, query):
-    page = opened(look(query), 3)
+@pytest.mark.parametrize(("stop", "curve"), [(3, "area"), (2, "map"), (8, "forces")])
+def test_question_reason_and_curve_of_a_tour_stop_are_in_sight_at_every_size(look, query, stop, curve):
+    page = opened(look(query), stop)
     asked(page)
     for phase in ("ask", "why"):
         for width, height in SIZES:
             page.set_viewport_size({"width": width, "height": height})
             laid_out(page)
-            assert page.evaluate(SEEN, "area"), (phase, width)
-            high = page.evaluate("document.querySelector('main .area .view').clientHeight")
-            assert high >= (150 if width < 600 else 100), (phase, width, high)
+            assert page.evaluate(SEEN, curve), (phase, width)
+            high = page.evaluate(f"document.querySelector('main .{curve} .view').clientHeight")
+            assert high >= (140 if width < 600 else 100), (phase, width, high)
+            if height >= 700 and width >= 1000:
+                assert page.evaluate(WHOLE), (phase, width)
         if phase == "ask":
             page.evaluate("punch.speed = 20")
             page.keyboard.press("2")
             page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("query", ["?view=hero", "?view=projector"])
+def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_closes_it_only(look, query):
+    page = opened(look(query), 8)
+    asked(page)
+    page.evaluate("punch.speed = 40")
+    page.keyboard.press("1")
+    page.get_by_role("button", name="Your turn").click(timeout=PATIENCE)
+    from_menu(page, "nav [data-page=load]")
+    page.wait_for_function("() => parseInt(document.getElementById('load-count').textContent) > 0")
+    for width, height in SIZES[:-1]:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        assert not page.evaluate(FAULTS), (width, height)
+        punch, card, plot = (
+            page.locator(what).bounding_box() for what in ("#punch-view", "#tour-card", "#load figure .view")
+        )
+        assert punch["width"] > 150 and punch["height"] > 100 and plot["width"] > 150, (width, height)
+        assert punch["y"] + punch["height"] <= card["y"] + 1, (width, height)
+        assert card["x"] + card["width"] <= plot["x"] + 1 or card["y"] + card["height"] <= plot["y"], (width, height)
+        assert page.evaluate(WHOLE), (width, height)
+    page.go_back()
+    page.locator("#load").wait_for(state="hidden")
+    assert page.locator("#tour-card").is_visible()
+
+
 def test_theory_is_typeset_without_external_requests(look):
     page = look()
-    page.locator("#open-theory").click()
+    from_menu(page, "#open-theory")
     page.locator("#theory math").first.wait_for()
     assert page.locator("#theory math").count() >= 11
     assert "Khajeh Salehani" in page.locator("#theory").inner_text()

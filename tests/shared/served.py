@@ -134,6 +134,12 @@ def finished(page, run=1):
         page.wait_for_function(condition, timeout=PATIENCE, polling=50)
 
 
+def from_menu(page, button):
+    """Press a button of the menu."""
+    page.evaluate("document.getElementById('menu').setAttribute('aria-expanded', 'true')")
+    page.locator(button).click()
+
+
 def paused_at(page, frame):
     """Stop, and show an increment; in one go, as a picture in between would set the slider back."""
     page.locator("#scrub").evaluate(f"(scrub) => {{ scrub.value = {frame}; scrub.dispatchEvent(new Event('input')) }}")

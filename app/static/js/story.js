@@ -1,7 +1,7 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
 import { frameBox } from "./bokeh.js"
-import { by, say } from "./dom.js"
+import { by } from "./dom.js"
 import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
@@ -21,7 +21,6 @@ const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
 const LENS = 0.5 // of the width, beyond which the lens does not reach as the page opens
 const WIDE = 52 // times the size of the text, from which there is room for whole sentences
 const PATCHES = 8 // with a bracket each; more are described in words
-const GAIN = 0.005 // a smaller change of the area is not shown
 
 // Draw everything that belongs to frame k of a run over the punch
 export function drawStory(run, k) {
@@ -43,7 +42,7 @@ export function drawStory(run, k) {
   drawForces(view)
   if (run.head.flat) by("lens").hidden = true
   else drawLens(view)
-  tellSlip(view)
+  by("slow").hidden = !exact(run) || run.slipBefore(k) === null
 }
 
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
@@ -177,17 +176,6 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   pen.globalAlpha = 1
 }
 
-function slipText(run, at, brief = false) {
-  const { acting, gone, all, sites, shiftText } = run.slipTo(at)
-  const before = run.curves.A_bar[at - 1], now = run.curves.A_bar[at], change = now / before - 1
-  const area = before === 0 ? (now > 0 ? ", contact again" : "") : now === 0 ? ", A falls to 0"
-    : Math.abs(change) < GAIN ? "" : `, A ${change > 0 ? "+" : "−"}${(100 * Math.abs(change)).toPrecision(2)} %`
-  if (!gone) return run.stage(at) === "unload" ? "pull-off" : `jump${area}`
-  const part = all ? "" : `${gone} of ${acting} nodes`, nm = fixed(sites * run.head.spacing, 1)
-  const far = part && brief ? "" : `${part && " by "}${shiftText}${brief ? "" : ` (${nm} nm)`}`
-  return `slip: ${part}${far}${run.head.flat ? "" : area}`
-}
-
 let sentence = { key: "", text: "", k: 0, since: -Infinity }, compared = [] // on screen; the runs last compared
 
 // The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
@@ -202,9 +190,4 @@ export function tellNow(run, k) {
   const changed = changeSentence(run, me.ghost)?.text ?? ""
   explain(by("why"), changed)
   by("announcement").textContent = changed // the text on the run before is out of date
-}
-
-function tellSlip({ run, k, slip, narrow }) {
-  by("slow").hidden = !exact(run) || run.slipBefore(k) === null
-  say("slip", slip !== null && slipText(run, slip, narrow))
 }

@@ -102,7 +102,6 @@ function drawTrace() {
   const { frames, k } = film, box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
   by("scrub").value = me.film.k - k
   tell("slow motion")
-  by("slip").hidden = true
   if (!pen) return
   const { factor, names } = forceUnit(), F = frames.curves[names.F].slice(k - 1), ink = inks()
   const width = FIELD * box.width, right = box.X(frames.along[k - 1]) < box.left + 0.5 * box.width
