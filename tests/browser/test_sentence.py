@@ -242,7 +242,7 @@ PLAYED = """async ({ now, speed }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")
     const { phaseSentence } = await import("http://scripts/js/sentence.js")
-    const { paceAt } = await import("http://scripts/js/pace.js")
+    const { paceAt } = await import("http://scripts/js/player.js")
     let run = null, at = 0
     for (const text of now.blocks) {
         const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))

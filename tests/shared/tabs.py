@@ -102,7 +102,7 @@ AS_OPENED = """([search, wanted]) => {
 }"""
 AS_FRESH = """() => {
     if (punch.following) window.modules.player.goto(Infinity)
-    Object.assign(punch, { ghost: null, behind: null, anchor: null, following: true, look: punch.look + 1 })
+    Object.assign(punch, { ghost: null, start: null, following: true, look: punch.look + 1 })
     window.before = punch.status.run - 1
 }"""
 

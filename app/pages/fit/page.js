@@ -5,7 +5,7 @@ import { set } from "../../static/js/bokeh.js"
 import { by, make, on } from "../../static/js/dom.js"
 import { extent, figures, fill } from "../../static/js/figures.js"
 import { minus } from "../../static/js/quantities.js"
-import { leaveBehind, me } from "../../static/js/store.js"
+import { beginChange, me } from "../../static/js/store.js"
 
 const ROOM = 0.08 // of a curve, above and below it
 // parameters of the scene; the others belong to the axes
@@ -54,7 +54,7 @@ function row(name, i) {
 }
 
 function show() {
-  leaveBehind()
+  beginChange()
   me.move = { name: "" } // one step of Undo
   const own = OWN.filter((name) => name in fitted.values)
   order("scene", { values: Object.fromEntries(own.map((name) => [name, `${fitted.values[name]}`])) })

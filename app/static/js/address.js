@@ -4,7 +4,7 @@
 import { by, lastSearch, on, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { restore } from "./steer.js"
-import { leaveBehind, me, view } from "./store.js"
+import { beginChange, me, view } from "./store.js"
 
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
@@ -76,7 +76,7 @@ function tellHistory() {
 
 // Show the scene of parameters {name: text} as an address has them, and an increment of it
 export function goBackTo(scene, k = null) {
-  leaveBehind()
+  beginChange()
   restore(scene)
   wanted = k
   wantedOf = me.move

@@ -3,10 +3,9 @@
 // shown beside it.
 
 import { silence } from "./channel.js"
-import { by } from "./dom.js"
+import { by, keepForTab, takeFromTab } from "./dom.js"
 import { warn } from "./opening.js"
 import { declared, me, now } from "./store.js"
-import { keepForTab, takeFromTab } from "./storage.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there

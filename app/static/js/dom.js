@@ -1,4 +1,4 @@
-// Elements of the page, and its address.
+// Elements of the page, its address, and what the browser keeps of it.
 
 export const by = (id) => document.getElementById(id)
 export const on = (id, event, call) => by(id).addEventListener(event, call)
@@ -53,3 +53,24 @@ export function makeShape(tag, attributes, ...parts) {
   made.append(...parts)
   return made
 }
+
+// What the browser keeps, in the tab or for good. It may forbid that, as for pages in frames of other sites: then
+// nothing is kept, and each visit begins as the first one
+function attempt(call) {
+  try {
+    return call()
+  } catch {
+    return null
+  }
+}
+
+export const kept = (name) => attempt(() => localStorage.getItem(name))
+export const keep = (name, value) => attempt(() => localStorage.setItem(name, value))
+
+// Of the tab, for once
+export const keepForTab = (name, value) => attempt(() => sessionStorage.setItem(name, value))
+export const takeFromTab = (name) => attempt(() => {
+  const value = sessionStorage.getItem(name)
+  sessionStorage.removeItem(name)
+  return value
+})

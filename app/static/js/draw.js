@@ -7,9 +7,9 @@ import { drawCurves, drawMap } from "./figures.js"
 import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
-import { tellFrame } from "./readout.js"
 import { cost, cover, me, memory, set, touch, view } from "./store.js"
 import { drawStory, tellNow } from "./story.js"
+import { tellFrame } from "./words.js"
 
 const QUIET = 150 // ms between two drawings of a growing run: it needs the processor itself
 const HELD = 250 // ms between two drawings of the map while a slider is held: the curves come first

@@ -2,13 +2,12 @@
 
 import { frameBox } from "./bokeh.js"
 import { isShown } from "./colours.js"
-import { by, on } from "./dom.js"
+import { by, keep, kept, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile } from "./inside.js"
 import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
-import { keep, kept } from "./storage.js"
 import { redrawCanvases } from "./store.js"
 
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe

@@ -9,7 +9,7 @@ import { CURVES, figures } from "./figures.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
-import { declared, exact, leaveBehind, me, redraw, reduced, set } from "./store.js"
+import { declared, exact, beginChange, me, redraw, reduced, set } from "./store.js"
 import { openTheory } from "./terms.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, useTools } from "./view.js"
 
@@ -111,7 +111,7 @@ const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
-  leaveBehind(false)
+  beginChange(false)
   set({ following: true, preview: null, place: null, at: 0 })
   restore({ preset })
   if (!reduced) play(true)

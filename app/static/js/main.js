@@ -8,19 +8,19 @@ import { by } from "./dom.js"
 import * as draw from "./draw.js"
 import { adopt, paint } from "./figures.js"
 import { connectFringes } from "./fringes.js"
-import { connectInside } from "./inside.js"
 import * as inputs from "./inputs.js"
+import { connectInside } from "./inside.js"
 import { connectLens } from "./lens.js"
+import { opened } from "./opening.js"
 import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
-import { opened } from "./opening.js"
 import * as player from "./player.js"
 import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
 import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
 import * as glossary from "./terms.js"
-import { connectStored } from "./stored.js"
+import { connectCaption } from "./view.js"
 import * as units from "./words.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
@@ -49,7 +49,7 @@ export function start({ wire, figures, slots, declarations, index }) {
   channel.take("picture", player.follow)
   channel.take("status", status.heard)
   channel.take("page", pages.receive, pages.read)
-  connectStored(player.standIn)
+  player.connectStored()
   let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
   new ResizeObserver(() => {
     clearTimeout(resized)
@@ -64,7 +64,7 @@ export function start({ wire, figures, slots, declarations, index }) {
   opened()
   channel.order("hello")
   pages.openAsked()
-  if (embedded) import("./later/embed.js")
+  if (embedded) connectCaption()
   const stop = Number(new URLSearchParams(location.search).get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
 }

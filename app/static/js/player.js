@@ -2,12 +2,13 @@
 
 import { heard, order } from "./channel.js"
 import { by } from "./dom.js"
-import { paceAt } from "./pace.js"
+import { unpackLater } from "./packed.js"
 import { Picture } from "./picture.js"
 import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
+import { AFTER, firstOfPath } from "./sentence.js"
 import { restore, sendNext } from "./steer.js"
-import { exact, me, now, reduced, set, touch, view } from "./store.js"
+import { declared, exact, me, now, reduced, set, touch, view } from "./store.js"
 
 let coming = null // the run that takes the place of what is on screen once it is whole
 
@@ -51,21 +52,21 @@ export function follow(message) {
 }
 
 // A stored run takes the screen until the computed one is whole
-export function standIn(run) {
+function standIn(run) {
   begin(run)
   if (me.following) set({ at: me.playing ? run.beginning : run.length - 1, following: false })
   else if (me.place) toPlace()
 }
 
-// A new run takes the screen; what was there when the change began stays behind, pale
+// A run takes the screen; the one that was there when the change began stays behind it, pale
 function begin(run) {
   coming = null
-  if (me.anchor !== null) me.ghost = me.behind === null || me.behind.sheared >= 0 ? me.behind : me.ghost
+  if (me.start === null || me.start.sheared >= 0) me.ghost = me.start
   // its increments are others
   if (me.run?.length && !me.following && (!exact(me.run) || me.run.head.step !== run.head.step)) {
     me.place ??= me.run.place(now())
   }
-  set({ run, anchor: null, preview: null })
+  set({ run, preview: null })
 }
 
 // The increment of this run where that shown before would be
@@ -90,6 +91,17 @@ function step(time) {
   if (last === null) return
   advance(passed)
   requestAnimationFrame(step)
+}
+
+// A run begins slowly, so that there is time to see its first stick and slip
+const STICK = 6 // s, at least, from the begin of shear to the first slip: two sentences of 2.5 s
+const SLIP = 3 // s, at least, for the way that the sentence is about the slip
+
+// Speed (nm/s) of the top at frame `at`, where `speed` is wanted
+export function paceAt(run, at, speed) {
+  const first = firstOfPath(run)?.at ?? null, { step: size } = run.head
+  if (first === null || at < run.sheared || at > first + AFTER / size) return speed
+  return Math.min(speed, at < first ? ((first - run.sheared) * size) / STICK : AFTER / SLIP)
 }
 
 let seen = 0 // number of the run that has been played to its end
@@ -150,7 +162,30 @@ function summarise(what) {
 export function reset() {
   const plain = by("speed").querySelector("[selected]")
   by("speed").value = plain.value
-  set({ ghost: null, behind: null, anchor: null, following: true, preview: null, place: null, playing: !reduced,
+  set({ ghost: null, start: null, following: true, preview: null, place: null, playing: !reduced,
     speed: Number(plain.value) })
   restore({})
+}
+
+// A stored run of an experiment of the row (app/service/stored.py) is on screen until the computed one has come. The page
+// names that of its scene. While workers get ready, the one of the preset is shown where the page names none
+export function connectStored() {
+  showStored(by("stored")?.getAttribute("href"))
+  view(["status"], () => {
+    const { state, preset } = me.status
+    if (state === "warming") showStored(declared.stored[preset] ?? Object.values(declared.stored)[0])
+  })
+}
+
+let asked = "" // address of the last stored run
+async function showStored(address) {
+  const superfluous = () => address !== asked || (Boolean(me.run) && !me.run.stored)
+  if (!address || address === asked) return
+  asked = address
+  const response = superfluous() ? null : await fetch(address).catch(() => null)
+  const chunk = response?.ok && (await unpackLater({ body: await response.arrayBuffer() }))
+  if (!chunk || superfluous()) return
+  const run = Object.assign(new Run(0, chunk.head), { stored: true })
+  run.add(chunk)
+  standIn(run)
 }

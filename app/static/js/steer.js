@@ -4,7 +4,7 @@
 import { order } from "./channel.js"
 import { by } from "./dom.js"
 import { place, tellDepth } from "./sliders.js"
-import { declared, leaveBehind, me, now, redraw } from "./store.js"
+import { declared, beginChange, me, now, redraw } from "./store.js"
 
 const BURST = 900 // ms between two moves of one slider that are one drag
 
@@ -16,7 +16,7 @@ export function enter(values) {
   const name = Object.keys(values).toSorted().join()
   if (name !== me.move.name || (ended && performance.now() - ended > BURST)) {
     me.move = { name }
-    leaveBehind()
+    beginChange()
   }
   ended = me.dragging ? 0 : -BURST
   me.entered = { ...me.entered, ...values }

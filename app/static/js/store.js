@@ -8,8 +8,8 @@ export const embedded = new URLSearchParams(location.search).get("embed") === "1
 export const declared = {} // what Python declares, as main.js receives it
 
 const fields = {
-  // the run on screen, the pale one behind it, the one that a change will leave there, the one on screen as it began
-  run: null, ghost: null, behind: null, anchor: null,
+  // the run on screen, the pale one behind it, the computed run that was on screen when the change began
+  run: null, ghost: null, start: null,
   pins: [], // see later/pins.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last
@@ -118,9 +118,7 @@ export const now = () => Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
 // Whether a run was computed, and does not follow a held slider
 export const exact = (run) => Boolean(run) && !run.followed && !run.stored
 
-// A change begins: what is on screen stays behind it, pale, unless there is nothing to compare
-export function leaveBehind(compare = true) {
-  me.anchor = me.run
-  if (!compare) me.behind = null
-  else if (exact(me.run)) me.behind = me.run
+// A change begins: the computed run on screen stays behind its successor, pale, unless there is nothing to compare
+export function beginChange(compare = true) {
+  if (!compare || exact(me.run)) me.start = compare ? me.run : null
 }

@@ -1,10 +1,10 @@
 // The ways to look at the experiment: as it opens, in large for a lecture hall, and with all tools in sight.
 
-import { by, on, readdress } from "./dom.js"
+import { by, keep, kept, on, readdress, tell } from "./dom.js"
 import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
-import { embedded, redraw } from "./store.js"
-import { keep, kept } from "./storage.js"
+import { embedded, me, redraw, view } from "./store.js"
+import { described } from "./words.js"
 
 const { dataset } = document.documentElement
 
@@ -74,3 +74,11 @@ export function fillScreen() {
   else document.documentElement.requestFullscreen?.().catch(() => {}) // a browser may refuse: nothing is lost
 }
 
+// The line below the views of an embedded page: the parameters, and a link to the whole app
+export const connectCaption = () => view(["picture", "status"], () => {
+  if (!me.picture) return
+  tell(by("caption"), described(me.picture.run, me.picture.k))
+  const url = new URL(location.href)
+  url.searchParams.delete("embed")
+  if (by("whole-app").href !== url.href) by("whole-app").href = url.href
+})

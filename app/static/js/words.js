@@ -1,8 +1,9 @@
 // The words of a scene and an increment. Forces and areas: per metre of depth, or over wE on request (?force=bar); nm, or
 // over w.
 
-import { by, on, readdress } from "./dom.js"
-import { digits, fixed, named, spoken } from "./quantities.js"
+import { isShown } from "./colours.js"
+import { by, on, readdress, tell } from "./dom.js"
+import { digits, fixed, named, spoken, withUnit } from "./quantities.js"
 import { me, redraw } from "./store.js"
 
 const REAL = { names: { F: "F", L: "L" }, factor: 1, text: "N/m", symbols: { F: "F", L: "L" } }
@@ -56,4 +57,24 @@ export function described(run, k) {
   const at = run.values(k)
   const scene = parameters({ ...me.status, values: run.scene })
   return `${scene}; ${run.leg(k)} increment ${at.index}, ${named("U_x", at.U_x)}, ${named("delta", at.delta)}`
+}
+
+// The increment on screen in numbers: beside the player with tools, and for those who hear the page
+export function tellFrame(run, k) {
+  const v = run.values(k), stage = run.stage(k)
+  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}: ${spoken("U_x", v.U_x)}`)
+  if (!me.playing && !me.dragging) tell(by("now"), summary(run, k, by("sentence").textContent))
+  if (!isShown(by("readout"))) return
+  const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
+  const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal
+  const work = looped ? `work since shear began ${fixed(v.work - run.curves.work[run.sheared], 0)} nJ/m` : ""
+  const top = run.driven ? ` (top ${withUnit("U_x", run.top(k))})` : ""
+  const texts = [
+    `${run.leg(k)} ${v.index}: ${named("U_x", v.U_x)}${top},`, `${named("delta", v.delta)},`,
+    `${forceText(v, "F")},`, `${forceText(v, "L")},`, `${areaText(v)}${slipped}`,
+    work,
+  ]
+  by("solver").lastElementChild.textContent =
+    `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
+  texts.forEach((text, i) => { by("readout").children[i].textContent = text })
 }
