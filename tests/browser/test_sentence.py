@@ -1,7 +1,8 @@
-"""Every claim of the live sentence, checked against the solver's frames over the slider ranges."""
+"""All that the live sentence says, read from its text and checked against the solver over the slider ranges."""
 
 import base64
 import os
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,7 +77,9 @@ def read(tab, run, before=None):
     at = sorted({*map(int, np.linspace(0, last, POINTS)), *slips, *(min(k + 3, last) for k in slips)})
     told = {"now": run.sent, "before": before and before.sent, "at": at, "values": None}
     found = tab.evaluate(READ, told)
-    return list(zip(np.repeat(at, 2).tolist(), found["said"], strict=True)), found["change"]
+    # a phase is never that at rest while the top moves
+    frames = [k for each in at for k in (each, min(max(each, run.sheared + 1), last))]
+    return list(zip(frames, found["said"], strict=True)), found["change"]
 
 
 def A_of(frame):
@@ -115,57 +118,153 @@ def near(a, b, scale=1.0):
     return abs(a - b) <= ROUNDED * max(abs(a), abs(b), scale)
 
 
-def holds(run, claim, before=None):
-    """Whether a claim of a sentence is true for the solver's frames."""
-    name, *given = claim
-    frames, scene = run.frames, run.scene
-    at = frames[given[0]] if given and isinstance(given[0], int) and not isinstance(given[0], bool) else None
-    previous = frames[max(0, given[0] - 1)] if at is not None else None
-    way = -1 if at is not None and at.stage == "back" else 1
-    first, other = run.first_slip(), before and before.first_slip()
-    small = 1e-6 * max(abs(frame.F) for frame in frames) + 1e-9
-    wide = ROUNDED * max(map(abs, given[1:3]), default=0.0) if "between" in name else 0.0
+NUMBER = r"(−?[\d.]+)"
+SITES = {"no": 0, "one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
+
+
+def real(text):
+    return float(text.replace("−", "-"))
+
+
+class At:
+    """What is true at a frame of a run, by the solver: `k`, that of the slip that its sentence is about, if any."""
+
+    def __init__(self, run, k):
+        self.run, self.k, self.frame, self.before = run, k, run.frames[k], run.frames[max(0, k - 1)]
+        self.way = -1 if self.frame.stage == "back" else 1
+        self.small = 1e-6 * max(abs(frame.F) for frame in run.frames) + 1e-9
+
+    @property
+    def slips(self):
+        return bool(self.frame.slips)
+
+    @property
+    def rises(self):
+        return self.way * self.frame.F >= self.way * self.before.F - ROUNDED * abs(self.frame.F) or bool(
+            self.before.slips
+        )
+
+    @property
+    def eases(self):
+        return self.way * self.frame.F <= self.way * self.before.F + ROUNDED * abs(self.frame.F)
+
+    def area(self, change):
+        now, before = A_of(self.frame), A_of(self.before)
+        return {"more": now > before, "less": now < before, "none": now == 0, "some": now > 0}[change]
+
+    def forces(self, match):
+        return near(abs(event_force(self.frame)), real(match[1])) and near(abs(self.frame.F), real(match[2]))
+
+    def moved(self, sites, nm):
+        spacing = self.run.scene.spacing
+        return moved(self.before, self.frame, spacing) == sites and near(sites * spacing, nm, 50.0)
+
+    def jerks(self, nm):
+        """Whether the first two slips of the stage are by so many nm."""
+        first = [
+            k for k, f in enumerate(self.run.frames) if f.slips and k > self.run.sheared and f.stage == self.frame.stage
+        ]
+        spacing = self.run.scene.spacing
+        return all(near(moved(self.run.frames[k - 1], self.run.frames[k], spacing) * spacing, nm) for k in first[:2])
+
+    def swings(self, low, high):
+        """Whether it slides without slips, with F between these from its first top on."""
+        F = [frame.F for frame in self.run.frames]
+        top = self.run.sheared + 1
+        while F[top + 1] >= F[top]:
+            top += 1
+        wide = ROUNDED * max(abs(low), abs(high))
+        return self.run.first_slip() is None and all(low - wide <= force <= high + wide for force in F[top:])
+
+    def peeled(self, where, more=""):
+        begun, frames = self.k, self.run.frames
+        while begun > self.run.sheared and not frames[begun].slips and frames[begun - 1].stage == self.frame.stage:
+            begun -= 1
+        return _peeled(frames, begun, self.k, where, more)
+
+
+TRUE = (  # what a sentence says, and whether it is so
+    ("a faint pull", lambda at, _: apart(at.frame)),
+    ("^(It|A part of the contact) slips|^It lets go|lets go at once|^It jumps", lambda at, _: at.slips),
+    (rf"slips by (\w+) sites?, {NUMBER} nm", lambda at, m: at.moved(SITES.get(m[1]) or int(m[1]), real(m[2]))),
+    (rf"from {NUMBER} to {NUMBER} N/m", lambda at, m: at.forces(m)),
+    ("contact comes back|jumps into contact|the contact grows", lambda at, _: at.area("more")),
+    ("contact is lost", lambda at, _: at.area("less")),
+    ("nothing is pressed together|Nothing is pressed together", lambda at, _: at.area("none")),
+    ("does not let go|Lowered onto", lambda at, _: at.area("some")),
+    ("jumps closer", lambda at, _: at.frame.L < at.before.L),
+    ("does not let go|hangs on attraction", lambda at, _: at.frame.L < 0),
+    ("still pressed together", lambda at, _: -at.small < at.frame.L),
+    ("nothing pulls sideways yet", lambda at, _: at.k <= at.run.sheared),
+    (rf"swings by ±{NUMBER}", lambda at, m: at.swings(-real(m[1]), real(m[1]))),
+    (rf"swings between {NUMBER} and {NUMBER}", lambda at, m: at.swings(real(m[1]), real(m[2]))),
+    (rf"in jerks: it sticks, slips {NUMBER} nm", lambda at, m: at.jerks(real(m[1]))),
+    ("Still bent|Friction eases", lambda at, _: at.eases),
+    ("lean out of the punch", lambda at, _: at.way * at.frame.F < at.small),
+    ("^It sticks|carries the friction", lambda at, _: at.rises),
+    ("lets go behind", lambda at, _: at.peeled("behind")),
+    ("lets go in front", lambda at, _: at.peeled("front")),
+    ("let go, more behind", lambda at, _: at.peeled("both", "behind")),
+    ("let go, more in front", lambda at, _: at.peeled("both", "front")),
+    (r"Both edges of the contact let go\.", lambda at, _: at.peeled("both")),
+)
+
+
+def wrong_in(run, k, said):
+    """What a sentence {key, text} says of frame k that is not so; its key names the slip that it is about."""
+    slip = re.fullmatch(r"(?:slip|in|off|part) (\d+)", said["key"])
+    at = At(run, int(slip[1]) if slip else k)
+    found = [(pattern, check, re.search(pattern, said["text"])) for pattern, check in TRUE]
+    checked = [(pattern, check(at, match)) for pattern, check, match in found if match]
+    assert checked or said["key"] in ("film", "jerks") or "another shape" in said["text"], said
+    return [pattern for pattern, true in checked if not true]
+
+
+def wrong_of_change(run, before, text):
+    """What the sentence on a change says that is not so."""
+    now, then = run.first_slip(), before.first_slip()
     U = lambda whole, k: whole.frames[k].slips[0].load  # noqa: E731
-    return {
-        "apart": lambda: apart(at),
-        "slip": lambda: bool(at.slips),
-        "A rises": lambda: A_of(at) > A_of(previous),
-        "A falls": lambda: A_of(at) < A_of(previous),
-        "A = 0": lambda: A_of(at) == 0,
-        "A > 0": lambda: A_of(at) > 0,
-        "L falls": lambda: at.L < previous.L,
-        "L < 0": lambda: at.L < 0,
-        "L >= 0": lambda: -small < at.L,
-        "F": lambda: near(at.F, given[1]),
-        "F at slip": lambda: near(event_force(at), given[1]),
-        "sites": lambda: moved(previous, at, scene.spacing) == given[1],
-        "at rest": lambda: given[0] <= run.sheared,
-        "no slips": lambda: first is None,
-        "F between": lambda: all(given[1] - wide <= frame.F <= given[2] + wide for frame in frames[given[0] :]),
-        "F between before": lambda: all(
-            given[1] - wide <= frame.F <= given[2] + wide for frame in before.frames[given[0] :]
+    F = lambda whole, k: event_force(whole.frames[k])  # noqa: E731
+    area = lambda whole: A_of(whole.frames[whole.sheared])  # noqa: E731
+    steep = lambda whole, k: F(whole, k) / U(whole, k)  # noqa: E731
+    gap = lambda whole, k: whole.frames[k - 1].u[1, 0]  # noqa: E731
+    least = lambda whole: min(frame.L for frame in whole.frames)  # noqa: E731
+    rules = (
+        ("do not hold on", lambda _: all(map(apart, run.frames)) and not all(map(apart, before.frames))),
+        ("now the surfaces hold on", lambda _: not all(map(apart, run.frames)) and all(map(apart, before.frames))),
+        ("no slip any more", lambda _: now is None and then is not None),
+        (rf"now it slips, first at {NUMBER} nm", lambda m: then is None and near(U(run, now), real(m[1]), 50.0)),
+        (
+            rf"at {NUMBER} nm instead of {NUMBER} nm",
+            lambda m: near(U(run, now), real(m[1]), 50.0) and near(U(before, then), real(m[2]), 50.0),
         ),
-        "L_min": lambda: near(min(frame.L for frame in frames), given[0]),
-        "L_min before": lambda: near(min(frame.L for frame in before.frames), given[0]),
-        "F rises": lambda: way * at.F >= way * previous.F - ROUNDED * abs(at.F) or bool(previous.slips),
-        "F eases": lambda: way * at.F <= way * previous.F + ROUNDED * abs(at.F),
-        "F against": lambda: way * at.F < small,
-        "peeled": lambda: _peeled(frames, *given),
-        "apart is": lambda: all(map(apart, frames)) == given[0],
-        "slips": lambda: (first is not None) == given[0],
-        "slipped before": lambda: (other is not None) == given[0],
-        "U_s": lambda: near(U(run, first), given[0]),
-        "U_s before": lambda: near(U(before, other), given[0]),
-        "F_s": lambda: near(event_force(frames[first]), given[0]),
-        "F_s before": lambda: near(event_force(before.frames[other]), given[0]),
-        "steeper": lambda: (
-            (event_force(frames[first]) / U(run, first) > event_force(before.frames[other]) / U(before, other))
-            == given[0]
+        ("slips earlier", lambda _: U(run, now) < U(before, then)),
+        ("slips later", lambda _: U(run, now) > U(before, then)),
+        (
+            rf"(?:, |slips at ){NUMBER} N/m instead of {NUMBER} N/m",
+            lambda m: near(F(run, now), real(m[1])) and near(F(before, then), real(m[2])),
         ),
-        "more contact": lambda: (A_of(frames[run.sheared]) > A_of(before.frames[before.sheared])) == given[0],
-        "closer": lambda: (frames[first - 1].u[1, 0] < before.frames[other - 1].u[1, 0]) == given[0],
-        "stronger": lambda: (event_force(frames[first]) > event_force(before.frames[other])) == given[0],
-    }[name]()
+        (
+            rf"takes up to {NUMBER} N/m instead of {NUMBER} N/m",
+            lambda m: near(-least(run), real(m[1])) and near(-least(before), real(m[2])),
+        ),
+        (
+            rf"swings by ±{NUMBER} N/m instead of by ±{NUMBER} N/m",
+            lambda m: all(At(of, of.sheared).swings(-real(m[i]), real(m[i])) for i, of in ((1, run), (2, before))),
+        ),
+        ("builds up more force", lambda _: steep(run, now) > steep(before, then)),
+        ("builds up less force", lambda _: steep(run, now) < steep(before, then)),
+        ("closer together", lambda _: gap(run, now) < gap(before, then)),
+        ("farther apart", lambda _: gap(run, now) > gap(before, then)),
+        ("more contact to hold", lambda _: area(run) > area(before)),
+        ("less contact to hold", lambda _: area(run) < area(before)),
+        ("springs hold longer", lambda _: F(run, now) > F(before, then)),
+        ("springs give way sooner", lambda _: F(run, now) < F(before, then)),
+        ("hardly a difference", lambda _: True),
+    )
+    checked = [(pattern, check(match)) for pattern, check in rules if (match := re.search(pattern, text))]
+    assert checked, text
+    return [pattern for pattern, true in checked if not true]
 
 
 def _peeled(frames, begun, k, where, more):
@@ -192,9 +291,9 @@ def drawn(seed):
 
 def false_in(tab, run, before=None):
     said, change = read(tab, run, before)
-    wrong = [(k, one["text"], claim) for k, one in said for claim in one["claims"] if not holds(run, claim)]
-    if change:
-        wrong += [("change", change["text"], c) for c in change["claims"] if not holds(run, c, before)]
+    wrong = [(k, one["text"], claims) for k, one in said if (claims := wrong_in(run, k, one))]
+    if change and (claims := wrong_of_change(run, before, change["text"])):
+        wrong.append(("change", change["text"], claims))
     return wrong
 
 

@@ -1,7 +1,6 @@
 // The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers.
-// Each rule returns {key, text, claims}: key names the moment, so that a sentence stays while it lasts; claims are what
-// the text asserts, [name, ...values], for tests/browser/test_sentence.py to check against the solver. Pure functions
-// of runs, nothing drawn.
+// Each rule returns {key, text}: key names the moment, so that a sentence stays while it lasts.
+// tests/browser/test_sentence.py reads the text and checks it against the solver. Pure functions of runs, nothing drawn.
 
 import { fixed, number, withUnit } from "./quantities.js"
 import { WEAK } from "./run.js"
@@ -12,7 +11,7 @@ const MORE = 1.3 // times as far: more on one side
 const SAME = 0.01 // a change by less is none
 
 const nm = (length) => `${fixed(length, Math.abs(length) < 99.95 ? 1 : 0)} nm`
-const tell = (key, text, ...claims) => ({ key, text, claims })
+const tell = (key, text) => ({ key, text })
 
 const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
 const EVENT = /^(slip|in|off|part) / // keys of sentences about a slip or a jump
@@ -38,12 +37,10 @@ export function phaseSentence(run, k) {
 }
 
 function jerks(run, [first, second]) {
-  const claims = [["slip", first], ["slip", second]]
   const [a, b] = run.followed ? [{}, {}] : [first, second].map((at) => run.slipTo(at))
   if (!(a.all && b.all && a.sites && a.sites === b.sites))
-    return tell("jerks", "Sliding in jerks: the contact sticks, slips, sticks again.", ...claims)
-  return tell("jerks", `Sliding in jerks: it sticks, slips ${nm(a.sites * run.head.spacing)}, sticks again.`, ...claims,
-    ["sites", first, a.sites], ["sites", second, b.sites])
+    return tell("jerks", "Sliding in jerks: the contact sticks, slips, sticks again.")
+  return tell("jerks", `Sliding in jerks: it sticks, slips ${nm(a.sites * run.head.spacing)}, sticks again.`)
 }
 
 // What happens at frame k; playing: without the numbers of a slip
@@ -54,9 +51,8 @@ export function nowSentence(run, k, playing = false) {
   const acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
   if (!frame.T_t.some(acts)) {
     if (stage === "approach" || stage === "reload")
-      return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.",
-        ["apart", k])
-    return tell("apart", "Too far apart to hold on: only a faint pull reaches across.", ["apart", k])
+      return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.")
+    return tell("apart", "Too far apart to hold on: only a faint pull reaches across.")
   }
   const slip = run.slipBefore(k, AFTER), normal = ["approach", "reload", "unload"].includes(stage)
   const jumps = normal || slip <= Math.max(0, run.sheared) // there a held load takes over
@@ -67,15 +63,14 @@ export function nowSentence(run, k, playing = false) {
 function jumped(run, at, k) {
   const { A, L } = run.curves, frame = run.frame(k), held = frame.T_n.some((_, i) => frame.state(i) !== "free")
   if (run.stage(at) === "unload") {
-    if (run.followed || !held) return tell(`off ${at}`, "It lets go: the surfaces jump apart.", ["slip", at])
-    return tell(`part ${at}`, "A part of the contact lets go at once.", ["slip", at])
+    if (run.followed || !held) return tell(`off ${at}`, "It lets go: the surfaces jump apart.")
+    return tell(`part ${at}`, "A part of the contact lets go at once.")
   }
   const closer = L[at] < L[at - 1]
   if (A[at] > A[at - 1])
-    return tell(`in ${at}`, `It jumps into contact: attraction closes the gap at once, over ${nm(A[at])}.`,
-      ["slip", at], ["A rises", at])
+    return tell(`in ${at}`, `It jumps into contact: attraction closes the gap at once, over ${nm(A[at])}.`)
   return tell(`in ${at}`, closer ? "It jumps closer: attraction wins over the stiffness of the punch."
-    : "The surface jumps to another shape.", ["slip", at], ...(closer ? [["L falls", at]] : []))
+    : "The surface jumps to another shape.")
 }
 
 function pressed(run, k, stage) {
@@ -83,33 +78,34 @@ function pressed(run, k, stage) {
   const raised = stage === "unload" || delta[k] < delta[before]
   if (raised) {
     if (L[k] < 0 && A[k] > 0)
-      return tell("held", "Raised, yet it does not let go: adhesion pulls the punch down.", ["L < 0", k], ["A > 0", k])
+      return tell("held", "Raised, yet it does not let go: adhesion pulls the punch down.")
     if (L[k] < 0)
-      return tell("hangs", "Raised: the punch hangs on attraction alone, nothing is pressed together any more.",
-        ["L < 0", k], ["A = 0", k])
-    return tell("lifted", "Raised: the contact is still pressed together.", ["L >= 0", k])
+      return tell("hangs", "Raised: the punch hangs on attraction alone, nothing is pressed together any more.")
+    return tell("lifted", "Raised: the contact is still pressed together.")
   }
   if (A[k] === 0)
-    return tell("near", "Lowered: the surfaces attract each other, nothing is pressed together yet.", ["A = 0", k])
-  if (A[k] > A[before]) return tell("grows", "Lowered: the contact grows.", ["A > 0", k], ["A rises", k])
-  return tell("pressed", "Lowered onto the surface.", ["A > 0", k])
+    return tell("near", "Lowered: the surfaces attract each other, nothing is pressed together yet.")
+  if (A[k] > A[before]) return tell("grows", "Lowered: the contact grows.")
+  return tell("pressed", "Lowered onto the surface.")
 }
 
 function slid(run, at, playing) {
-  const { F, A } = run.curves, start = eventOf(run, at)
+  const { F } = run.curves, start = eventOf(run, at)
   const { gone, all, sites, shiftText } = run.followed ? {} : run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
   const far = sites && all ? ` by ${shiftText}, ${nm(sites * run.head.spacing)}` : ""
-  const [was, is] = [start.F, F[at]].map(Math.abs), round = F[at] * start.F < 0
-  const numbers = playing ? "" : ` from ${number("F", was)} to ${withUnit("F", is)}${round ? " the other way" : ""}`
-  const force = `friction ${round ? "turns round" : is < was ? "drops" : "rises"}${numbers}`
-  const gain = A[at] / A[at - 1] - 1
-  const area = run.head.flat || Math.abs(A[at] - A[at - 1]) < SAME * Math.max(A[at], A[at - 1]) ? ""
-    : A[at] > A[at - 1] ? ", and contact comes back"
-    : A[at] === 0 ? ", and nothing is pressed together" : ", and contact is lost"
-  const claims = [["slip", at], ["F at slip", at, start.F], ["F", at, F[at]], ...(far ? [["sites", at, sites]] : [])]
-  if (area && gain !== 0) claims.push([A[at] > A[at - 1] ? "A rises" : A[at] === 0 ? "A = 0" : "A falls", at])
-  return tell(`slip ${at}`, `${part}${far}: ${force}${area}.`, ...claims)
+  const [was, is] = [start.F, F[at]].map(Math.abs), turns = F[at] * start.F < 0
+  const numbers = playing ? "" : ` from ${number("F", was)} to ${withUnit("F", is)}${turns ? " the other way" : ""}`
+  const verb = turns ? "turns round" : is < was ? "drops" : "rises"
+  return tell(`slip ${at}`, `${part}${far}: friction ${verb}${numbers}${areaAfter(run, at)}.`)
+}
+
+// What a slip does to the area, unless that is little
+function areaAfter({ head, curves: { A } }, at) {
+  const before = A[at - 1], after = A[at]
+  if (head.flat || Math.abs(after - before) < SAME * Math.max(after, before)) return ""
+  if (after > before) return ", and contact comes back"
+  return after === 0 ? ", and nothing is pressed together" : ", and contact is lost"
 }
 
 // Between slips
@@ -118,42 +114,34 @@ function pulled(run, k) {
   const begun = stickBegins(run, k)
   if (k <= run.sheared)
     return tell("rest", run.curves.A[k] > 0 || flat ? "In contact and at rest: nothing pulls sideways yet."
-      : "Held by attraction, and at rest: nothing pulls sideways yet.", ["at rest", k])
+      : "Held by attraction, and at rest: nothing pulls sideways yet.")
   const steady = smooth(run, k)
   if (steady)
-    return tell("smooth", `It slides without slips: friction swings ${swing(steady)} in every lattice period.`,
-      ["no slips"], ["F between", steady.from, steady.low, steady.high])
+    return tell("smooth", `It slides without slips: friction swings ${swing(steady)} in every lattice period.`)
   const rising = way * (F[k] - F[Math.max(begun, k - 1)]) >= 0
   if (!rising && way * F[k] < 0)
-    return tell("swing", "Still bent the other way: friction pushes it on.", ["F eases", k])
-  if (!rising) return tell("eases", "Friction eases, without a slip.", ["F eases", k])
+    return tell("swing", "Still bent the other way: friction pushes it on.")
+  if (!rising) return tell("eases", "Friction eases, without a slip.")
   if (way * F[k] < 0)
-    return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.",
-      ["F against", k])
+    return tell("unbend", "The pull first takes the lean out of the punch: friction still acts with the pull.")
   if (A[k] === 0 && !flat)
-    return tell("tension", "Nothing is pressed together any more, yet it holds: attraction alone carries the friction.",
-      ["A = 0", k], ["F rises", k])
+    return tell("tension", "Nothing is pressed together any more, yet it holds: attraction alone carries the friction.")
   if (flat)
-    return tell("stick flat", "It sticks: every spring stretches alike, and friction grows with the pull.",
-      ["F rises", k])
+    return tell("stick flat", "It sticks: every spring stretches alike, and friction grows with the pull.")
   const now = run.edges(k), then = run.followed ? null : run.edges(begun)
   if (!now || !then || run.patches(k).length > 1)
-    return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
+    return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.")
   const both = [now[0] - then[0], then[1] - now[1]], [behind, front] = way > 0 ? both : both.toReversed()
-  const peeled = (where, more = "") => ["peeled", begun, k, where, more]
   if (behind > LET_GO && front > LET_GO) {
     const [more, words] = behind > MORE * front ? ["behind", ", more behind than in front"]
       : front > MORE * behind ? ["front", ", more in front than behind"] : ["", ""]
-    return tell(`peel both ${more}`, `It sticks and leans over. Both edges of the contact let go${words}.`,
-      ["F rises", k], peeled("both", more))
+    return tell(`peel both ${more}`, `It sticks and leans over. Both edges of the contact let go${words}.`)
   }
   if (behind > LET_GO)
-    return tell("peel behind", "It sticks and leans over. The contact lets go behind.", ["F rises", k],
-      peeled("behind"))
+    return tell("peel behind", "It sticks and leans over. The contact lets go behind.")
   if (front > LET_GO)
-    return tell("peel front", "It sticks and leans over. The contact lets go in front.", ["F rises", k],
-      peeled("front"))
-  return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.", ["F rises", k])
+    return tell("peel front", "It sticks and leans over. The contact lets go in front.")
+  return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.")
 }
 
 // The frame from which on it has been stuck at frame k: after the last slip, or where the stage began
@@ -220,62 +208,59 @@ export function changeSentence(run, before) {
   const head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
   if (run.normal) return lifted(run, before, head)
   if (run.apart !== before.apart)
-    return tell("change apart", `${head}: ${run.apart ? APART : TOGETHER}.`, ["apart is", run.apart])
+    return tell("change apart", `${head}: ${run.apart ? APART : TOGETHER}.`)
   if (run.apart) return null
   const now = firstSlip(run), then = firstSlip(before)
   if (!now && !then) return swings(smooth(run, run.length - 1), smooth(before, before.length - 1), head)
   if (!now)
-    return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`, ["slips", false],
-      ["slipped before", true])
+    return tell("change smooth", `${head}: no slip any more within ${nm(run.along.at(-1))}.`)
   if (!then)
-    return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`, ["slips", true],
-      ["slipped before", false], ["U_s", now.U])
-  const differences = [], claims = []
+    return tell("change slips", `${head}: now it slips, first at ${nm(now.U)}.`)
+  const differences = []
   if (differs(now.U, then.U))
     differences.push(`it slips ${now.U < then.U ? "earlier" : "later"}, at ${nm(now.U)} instead of ${nm(then.U)}`)
   if (differs(now.F, then.F))
-    differences.push(`${differences.length ? "" : "it slips at "}${withUnit("F", now.F)} instead of ${withUnit("F", then.F)}`)
-  claims.push(["U_s", now.U], ["U_s before", then.U], ["F_s", now.F], ["F_s before", then.F])
-  if (!differences.length) return tell("change none", `${head}: hardly a difference.`, ...claims)
-  return tell("change", `${head}: ${differences.join(", ")}${because(run, before, now, then, claims)}.`, ...claims)
+    differences.push(`${differences.length ? "" : "it slips at "}${forces(now.F, then.F)}`)
+  if (!differences.length) return tell("change none", `${head}: hardly a difference.`)
+  return tell("change", `${head}: ${differences.join(", ")}${because(run, before, now, then)}.`)
 }
 
-const compared = (head, verb, now, then, ...claims) =>
-  (now === then ? tell("change none", `${head}: hardly a difference.`, ...claims)
-  : tell("change", `${head}: ${verb} ${now} instead of ${then}.`, ...claims))
+const forces = (now, then) => `${withUnit("F", now)} instead of ${withUnit("F", then)}`
+const compared = (head, verb, now, then) =>
+  (now === then ? tell("change none", `${head}: hardly a difference.`)
+  : tell("change", `${head}: ${verb} ${now} instead of ${then}.`))
 
 // Of two runs that slide without slips
 function swings(now, then, head) {
   if (!now || !then) return null
-  return compared(head, "friction swings", swing(now), swing(then), ["F between", now.from, now.low, now.high],
-    ["F between before", then.from, then.low, then.high])
+  return compared(head, "friction swings", swing(now), swing(then))
 }
 
 // Of two runs in which the punch is raised: the strongest pull that this takes
 function lifted(run, before, head) {
   const [now, then] = [run, before].map((of) => Math.min(...of.curves.L.filter((_, k) => of.stage(k) === "unload")))
   if (!(now < 0 && then < 0)) return null
-  return compared(head, "raising it takes up to", withUnit("F", -now), withUnit("F", -then), ["L_min", now], ["L_min before", then])
+  return compared(head, "raising it takes up to", withUnit("F", -now), withUnit("F", -then))
 }
 
 // The reason, where the numbers of both runs show it
-function because(run, before, now, then, claims) {
+function because(run, before, now, then) {
   const steep = now.F / now.U, was = then.F / then.U, stronger = now.F > then.F, { flat } = run.head
   const start = run.curves.A[run.sheared], area = before.curves.A[before.sheared]
   const differing = (name) => Number(run.scene[name]) - Number(before.scene[name])
   const along = (name, more) => (more ? differing(name) > 0 : differing(name) < 0)
-  const reasons = [ // claim, whether there is more of it, whether that explains the change, words for more and for less
-    ["steeper", steep > was, differs(steep, was) && along("E", steep > was),
+  const reasons = [ // whether there is more of something, whether that explains the change, words for more and for less
+    [steep > was, differs(steep, was) && along("E", steep > was),
       "every nanometre of pull builds up more force", "every nanometre of pull builds up less force"],
-    ["closer", stronger, flat && along("delta_bar", stronger),
+    [stronger, flat && along("delta_bar", stronger),
       "closer together, its springs hold on more firmly", "farther apart, its springs hold on less firmly"],
-    ["more contact", start > area, !flat && differing("delta_bar") && differs(start, area) && start > area === stronger,
+    [start > area, !flat && differing("delta_bar") && differs(start, area) && start > area === stronger,
       "there is more contact to hold it", "there is less contact to hold it"],
-    ["stronger", stronger, differs(now.F, then.F) && along("phi_ratio", stronger),
+    [stronger, differs(now.F, then.F) && along("phi_ratio", stronger),
       "the springs hold longer", "the springs give way sooner"],
   ]
-  const [claim, more, , yes, no] = reasons.find(([, , explains]) => explains) ?? []
-  if (!claim) return ""
-  claims.push([claim, more])
+  const found = reasons.find(([, explains]) => explains)
+  if (!found) return ""
+  const [more, , yes, no] = found
   return `; ${more ? yes : no}`
 }
