@@ -9,11 +9,45 @@ import { beginChange, me, view } from "./store.js"
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
 
+// The entries of the browser's history that belong to this page
+class Entries {
+  now = history.state?.entry ?? 0 // number of the one shown
+  last = this.now // and of the last
+  undoing = false // Back was asked for by Undo, not by the browser's button
+
+  // Change the parameters of the address, in an entry of its own or in the present one; more: of its state
+  write(change, { own = false, more = {} } = {}) {
+    if (own) this.last = ++this.now
+    readdress(change, own ? { entry: this.now, ...more } : { ...history.state, entry: this.now }, own)
+    this.tell()
+  }
+
+  // The browser went to another one; whether it went back by its own button
+  moved(to) {
+    const back = !this.undoing && to < this.now
+    this.now = to
+    this.undoing = false
+    return back
+  }
+
+  undo() {
+    if (this.now <= 0) return
+    this.undoing = true
+    history.back()
+  }
+
+  redo() { if (this.now < this.last) history.forward() }
+
+  tell() {
+    by("undo").disabled = this.now <= 0
+    by("redo").disabled = this.now >= this.last
+  }
+}
+const entries = new Entries()
+
 let written = null // the scene in the address, as text; null before it is known to be that of the status
-let writtenOf = null // the move of which the address has something
-let entry = history.state?.entry ?? 0, top = entry // number of this entry of the history, and of the last
+let writtenOf = null // the move that the address has
 let resting = 0
-let undoing = false // Back was asked for by Undo, not by the browser's button
 let wanted = asked() // the increment to go to once the run is there
 let wantedOf = me.move // unless parameters have been changed since
 
@@ -43,36 +77,19 @@ export function writeAddress() {
   const { address } = me.status, text = JSON.stringify(address)
   if (text === written) return
   const sameMove = written && writtenOf === me.move && difference(JSON.parse(written), address) === me.move.name
-  const push = written !== null && !sameMove
-    && !["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
-  if (push) top = ++entry
-  readdress((now) => {
+  const asking = ["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
+  entries.write((now) => {
     for (const name of sceneNames()) now.delete(name)
     for (const name in address) now.set(name, address[name])
-  }, push ? { entry } : { ...history.state, entry }, push)
+  }, { own: written !== null && !sameMove && !asking })
   written = text
   writtenOf = me.move
-  tellHistory()
 }
 
 // Another entry of the history, for what is no change of the scene; more: of its state
-export function addEntry(change, more) {
-  top = ++entry
-  readdress(change, { entry, ...more }, true)
-  tellHistory()
-}
-
-export const undo = () => {
-  if (entry <= 0) return
-  undoing = true
-  history.back()
-}
-export const redo = () => { if (entry < top) history.forward() }
-
-function tellHistory() {
-  by("undo").disabled = entry <= 0
-  by("redo").disabled = entry >= top
-}
+export const addEntry = (change, more) => entries.write(change, { own: true, more })
+export const undo = () => entries.undo()
+export const redo = () => entries.redo()
 
 // Show the scene of parameters {name: text} as an address has them, and an increment of it
 export function goBackTo(scene, k = null) {
@@ -88,9 +105,7 @@ const openedPage = () => document.querySelector(".page").dataset.page
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
   if (event.state?.entry === undefined) return
-  const closing = openedPage() && !undoing && event.state.entry < entry // Back closes a page and undoes nothing
-  entry = event.state.entry
-  undoing = false
+  const opened = openedPage(), back = entries.moved(event.state.entry), closing = back && opened // it undoes nothing
   const k = asked(), before = lastSearch(), seen = [...new URLSearchParams(before)]
   const same = !me.status.values || !difference(sceneOf(before), sceneOf(location.search))
   const kept = closing ? [...VIEWED, "k", ...sceneNames()] : same ? [...VIEWED, "k"] : VIEWED
@@ -103,18 +118,19 @@ function popped(event) {
     written = null
     goBackTo(sceneOf(location.search), k)
   }
-  tellHistory()
+  entries.tell()
 }
 
 // The increment at rest goes into the address
 function tellIncrement() {
   const { run, drawn: k } = me
   if (k < 0) return
-  const url = new URLSearchParams(location.search)
   clearTimeout(resting)
-  if (me.playing && wanted === null && url.has("k")) readdress((now) => now.delete("k"))
-  if (me.playing || me.following || me.preview !== null || wanted !== null || !run.whole || run.followed
-    || me.status.state === "refining") return
+  if (me.playing && wanted === null && new URLSearchParams(location.search).has("k"))
+    readdress((now) => now.delete("k"))
+  const moves = me.playing || me.following || me.preview !== null || wanted !== null
+  const settles = !run.whole || run.followed || me.status.state === "refining"
+  if (moves || settles) return
   resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
 }
 
@@ -139,10 +155,9 @@ export function linkTo(more = []) {
 }
 
 export function connect() {
-  readdress(() => {}, { ...history.state, entry }) // so that Back comes to it
+  entries.write(() => {}) // so that Back comes to it
   view(["drawn", "run", "playing", "following", "preview", "status"], tellIncrement)
   addEventListener("popstate", popped)
   on("undo", "click", undo)
   on("redo", "click", redo)
-  tellHistory()
 }
