@@ -29,16 +29,21 @@ export function receive(chunk) {
   touch("run")
 }
 
-// Take in a chunk of another run than that on screen. One that replaces what is shown in its place while a slider is
-// held does so when it is whole, so that nothing jumps; any other at once. Whether it has
+// Add a chunk of a run that is not on screen yet, and return whether it takes the screen. It does at once; but where a
+// prediction or a stored run of the same scene is shown, only when it is complete, so that nothing jumps
 function replaced(chunk) {
   if (coming?.number !== chunk.run) coming = new Run(chunk.run, chunk.head)
-  const { status } = me, known = status.run === chunk.run
   coming.add(chunk)
-  const waits = me.run?.stored ? !me.stale : me.run && !exact(me.run) && !(known && status.state === "running")
-  if (waits && !coming.whole) return false
+  if (!coming.whole && standsIn(me.run, chunk.run)) return false
   begin(coming)
   return true
+}
+
+// Whether a run on screen stands in for the one with this number
+function standsIn(run, number) {
+  if (run?.stored) return !me.stale
+  const streamed = me.status.run === number && me.status.state === "running" // of a scene that no prediction is for
+  return Boolean(run?.followed) && !streamed
 }
 
 // A picture of where the hand is, or was a moment ago; first the server hears where it is now

@@ -125,10 +125,9 @@ function doing() {
   const k = run.length - 1, normal = run.normal || run.sheared < 0
   const slip = normal ? `a jump near δ = ${fixed(run.curves.delta[k], 1)} nm`
     : `a slip near ${fixed(run.curves.U_x[k], 1)} nm`
-  const left = (seconds / frames) * (total - frames) - waited()
-  const time = left > 1 && frames > TRUSTED * total ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left`
-    : ""
-  return `${waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""}${time}`
+  const left = (seconds / frames) * (total - frames) - waited(), told = left > 1 && frames > TRUSTED * total
+  const at = waited() > SLIP ? ` · solving ${slip} for ${Math.round(waited())} s` : ""
+  return `${at}${told ? ` · about ${Number(left.toPrecision(left < 10 ? 1 : 2))} s left` : ""}`
 }
 
 function gettingReady() {
@@ -136,29 +135,35 @@ function gettingReady() {
   return done ? `compiling: ${done} of ${all} kernels` : "the solver gets ready"
 }
 
+const STATES = { // state of a run: what is said of it
+  warming: gettingReady,
+  running: ({ frames, total }) => `${frames} of ${total} increments${doing()}`,
+  refining: ({ frames, total }) => `${frames} of ${total} increments`,
+  skipped: ({ frames, total }) => `the last ${total - frames} of ${total} increments; what was computed stays`,
+  paused: ({ frames, total }) => `after ${frames} of ${total} increments`,
+  failed: ({ why }) => why,
+  finished: () => {
+    const cycle = me.run?.dissipated ?? null
+    return cycle === null ? "" : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
+  },
+}
+
 function tellState() {
-  const { state, frames, total, evaluations, seconds, tolerance, why, known, residual } = me.status
-  const { stored } = me.run ?? {}, followed = me.run?.followed && (state !== "failed" || me.dragging)
+  const { state, seconds } = me.status, { stored, followed, sheared } = me.run ?? {}
   if (stored && state !== "failed") return tellStored(state)
   if (!state) return
-  const shown = followed ? "followed" : state === "finished" && !me.playing ? "paused" : state
-  const text = followed ? state === "refining" ? "the exact run comes" : "exact once the slider rests" : {
-    warming: gettingReady,
-    running: () => `${frames} of ${total} increments${doing()}`,
-    refining: () => `${frames} of ${total} increments`,
-    skipped: () => `the last ${total - frames} of ${total} increments; what was computed stays`,
-    paused: () => `after ${frames} of ${total} increments`,
-    failed: () => why,
-    finished: () => {
-      const cycle = me.run?.dissipated ?? null
-      return cycle === null ? "" : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
-    },
-  }[state]()
-  by("skip").hidden = !(state === "running" && seconds + waited() > LONG && me.run?.sheared >= 0)
-  showState(shown, text)
-  tell(by("computed"), `${frames} of ${total} increments, ${evaluations} force evaluations, `
-    + `${known ? "computed before" : `${seconds} s`}; largest residual ${residual.toExponential(0)} nm`
-    + (state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : "."))
+  if (followed && (state !== "failed" || me.dragging))
+    showState("followed", state === "refining" ? "the exact run comes" : "exact once the slider rests")
+  else showState(state === "finished" && !me.playing ? "paused" : state, STATES[state](me.status))
+  by("skip").hidden = !(state === "running" && seconds + waited() > LONG && sheared >= 0)
+  tellWork(me.status)
+}
+
+function tellWork({ state, frames, total, evaluations, seconds, tolerance, known, residual }) {
+  const time = known ? "computed before" : `${seconds} s`
+  const end = state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : "."
+  tell(by("computed"), `${frames} of ${total} increments, ${evaluations} force evaluations, ${time}; `
+    + `largest residual ${residual.toExponential(0)} nm${end}`)
 }
 
 function showState(shown, text) {
