@@ -16,7 +16,8 @@ from solver.presets import presets
 SCENES = 1  # of the default suite
 MANY = int(os.environ.get("SENTENCES", "30"))  # of the thorough one
 POINTS = 18  # frames of a run at which the sentence is read, besides those at slips
-ROUNDED = 2e-3  # what three digits and the packed fields are good for
+ROUNDED = 2e-3  # what the packed fields are good for
+WRITTEN = 6e-3  # and numbers in three digits
 WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
 READ = """async ({ now, before, at, values }) => {
     const { Run } = await import("http://scripts/js/run.js")
@@ -115,7 +116,8 @@ def apart(frame):
 
 
 def near(a, b, scale=1.0):
-    return abs(a - b) <= ROUNDED * max(abs(a), abs(b), scale)
+    """Whether a is b as a sentence writes it; a length in nm has the scale 10: tenths."""
+    return abs(a - b) <= WRITTEN * max(abs(a), abs(b), scale)
 
 
 NUMBER = r"(−?[\d.]+)"
@@ -157,7 +159,7 @@ class At:
 
     def moved(self, sites, nm):
         spacing = self.run.scene.spacing
-        return moved(self.before, self.frame, spacing) == sites and near(sites * spacing, nm, 50.0)
+        return moved(self.before, self.frame, spacing) == sites and near(sites * spacing, nm, 10.0)
 
     def jerks(self, nm):
         """Whether the first two slips of the stage are by so many nm."""
@@ -165,7 +167,9 @@ class At:
             k for k, f in enumerate(self.run.frames) if f.slips and k > self.run.sheared and f.stage == self.frame.stage
         ]
         spacing = self.run.scene.spacing
-        return all(near(moved(self.run.frames[k - 1], self.run.frames[k], spacing) * spacing, nm) for k in first[:2])
+        return all(
+            near(moved(self.run.frames[k - 1], self.run.frames[k], spacing) * spacing, nm, 10.0) for k in first[:2]
+        )
 
     def swings(self, low, high):
         """Whether it slides without slips, with F between these from its first top on."""
@@ -173,7 +177,7 @@ class At:
         top = self.run.sheared + 1
         while F[top + 1] >= F[top]:
             top += 1
-        wide = ROUNDED * max(abs(low), abs(high))
+        wide = WRITTEN * max(abs(low), abs(high))
         return self.run.first_slip() is None and all(low - wide <= force <= high + wide for force in F[top:])
 
     def peeled(self, where, more=""):
@@ -233,10 +237,10 @@ def wrong_of_change(run, before, text):
         ("do not hold on", lambda _: all(map(apart, run.frames)) and not all(map(apart, before.frames))),
         ("now the surfaces hold on", lambda _: not all(map(apart, run.frames)) and all(map(apart, before.frames))),
         ("no slip any more", lambda _: now is None and then is not None),
-        (rf"now it slips, first at {NUMBER} nm", lambda m: then is None and near(U(run, now), real(m[1]), 50.0)),
+        (rf"now it slips, first at {NUMBER} nm", lambda m: then is None and near(U(run, now), real(m[1]), 10.0)),
         (
             rf"at {NUMBER} nm instead of {NUMBER} nm",
-            lambda m: near(U(run, now), real(m[1]), 50.0) and near(U(before, then), real(m[2]), 50.0),
+            lambda m: near(U(run, now), real(m[1]), 10.0) and near(U(before, then), real(m[2]), 10.0),
         ),
         ("slips earlier", lambda _: U(run, now) < U(before, then)),
         ("slips later", lambda _: U(run, now) > U(before, then)),
