@@ -172,8 +172,8 @@ export function reset() {
   restore({})
 }
 
-// A stored run of an experiment of the row (app/service/stored.py) is on screen until the computed one has come. The page
-// names that of its scene. While workers get ready, the one of the preset is shown where the page names none
+// A stored run of an experiment of the row (app/service/stored.py) is on screen until the computed one has come. The
+// page names that of its scene. While workers get ready, the one of the preset is shown where the page names none
 export function connectStored() {
   showStored(by("stored")?.getAttribute("href"))
   view(["status"], () => {

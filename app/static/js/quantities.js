@@ -5,7 +5,9 @@ export const minus = (text) => `${text}`.replace("-", "−")
 export const digits = (value, count = 3) => minus(Number(value.toPrecision(count)))
 export const fixed = (value, places) => minus((Math.round(value * 10 ** places) / 10 ** places).toFixed(places))
 
-const SPOKEN = { nm: "nanometres", "N/m": "newtons per metre", GPa: "gigapascals", "MPa/nm": "megapascals per nanometre" }
+const SPOKEN = {
+  nm: "nanometres", "N/m": "newtons per metre", GPa: "gigapascals", "MPa/nm": "megapascals per nanometre",
+}
 const length = (symbol, places = 1) => ({ symbol, unit: "nm", places })
 const force = (symbol) => ({ symbol, unit: "N/m" })
 const QUANTITIES = { // {symbol, unit, places: of its numbers, else three digits; given: as it was entered}

@@ -1,6 +1,6 @@
 // The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers.
-// Each rule returns {key, text}: key names the moment, so that a sentence stays while it lasts.
-// tests/browser/test_sentence.py reads the text and checks it against the solver. Pure functions of runs, nothing drawn.
+// Each rule returns {key, text}: key names the moment, so that a sentence stays while it lasts. The test
+// tests/browser/test_sentence.py reads the text and checks it against the solver. Pure functions of runs.
 
 import { fixed, number, withUnit } from "./quantities.js"
 import { WEAK } from "./run.js"
@@ -16,8 +16,8 @@ const tell = (key, text) => ({ key, text })
 const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
 const EVENT = /^(slip|in|off|part) / // keys of sentences about a slip or a jump
 
-// What is said next, of {key, text, k, since}: what was said before, or what is true now. While frames follow each other
-// quickly a sentence stays for some time, so that it can be read; but a slip ends it, and so does another beginning
+// What is said next, of {key, text, k, since}: what was said before, or what is true now. While frames follow each
+// other quickly a sentence stays for some time, so that it can be read; but a slip ends it, as does another beginning
 export function saidNext(before, next, { moving, k, time }) {
   const same = next.key === before.key, ends = k < before.k || EVENT.test(next.key)
   const stays = moving && !ends && time - before.since < HOLD

@@ -1,5 +1,5 @@
-// The words of a scene and an increment. Forces and areas: per metre of depth, or over wE on request (?force=bar); nm, or
-// over w.
+// The words of a scene and an increment. Forces and areas: per metre of depth, or over wE on request (?force=bar);
+// nm, or over w.
 
 import { isShown } from "./colours.js"
 import { by, on, readdress, tell } from "./dom.js"
@@ -49,7 +49,8 @@ export function parameters({ values, address, preset } = me.status) {
 // What happens on screen, for those who hear the page: the sentence, and the numbers
 export function summary(run, k, sentence) {
   const { U_x, F, L, A } = run.values(k), area = run.head.flat ? "" : `, contact ${spoken("A", A)} wide`
-  return `Now: ${sentence} Displacement ${spoken("U_x", U_x)}, friction ${spoken("F", F)}, load ${spoken("L", L)}${area}.`
+  return `Now: ${sentence} Displacement ${spoken("U_x", U_x)}, friction ${spoken("F", F)}, `
+    + `load ${spoken("L", L)}${area}.`
 }
 
 export function described(run, k) {

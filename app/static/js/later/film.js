@@ -16,8 +16,8 @@ const DOT = 5 // px, of F now in the curve
 const FIELD = 0.5, EDGE = 8 // of the width of the plot, for F of the motion; px beside its curve
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
-// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, axis: its ends
-// before}; the state on screen is `me.film`
+// {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, axis: its
+// ends before}; the state on screen is `me.film`
 let film = null
 
 // Begin, or end; where there is no slip to go through, say so
