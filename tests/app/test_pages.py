@@ -12,7 +12,7 @@ from app import pages
 from app.pages import Sheet, listed, section
 from app.pages.law import page as law
 from app.service import tasks
-from solver import Scene
+from solver import CHOICES, Scene
 from solver.mechanics import cohesive_law
 
 APP = Path(pages.__file__).parents[1]
@@ -147,3 +147,7 @@ def test_a_visitor_who_leaves_with_an_open_page_is_sent_nothing(session):
     sent = messages(session)
     session.close()
     assert sent == []
+
+
+def test_every_law_has_its_sentence_on_the_page_of_the_law():
+    assert law.TEXTS.keys() == CHOICES["law"].keys()

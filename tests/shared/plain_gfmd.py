@@ -19,6 +19,10 @@ from numba import njit
 LOOK_EVERY = 25  # steps between two looks at the residual
 MARGIN = 1e-3  # of delta_n; a node must cross the edge of the window by this much to enter or leave
 BUDGET = 400_000  # force evaluations from rest to rest; 40 times what a usual slip takes
+POTENTIAL = {
+    "np1": False,
+    "xu-needleman": True,
+}  # {law: whether T_x has the factor 1 + dn/delta_n}, as `springs` has it
 OVERDAMPED = 0.25  # of the stability limit: the scheme is of first order, and accuracy asks for less than stability
 Record = namedtuple("Record", "stage index load F_bar L_bar A_bar u delta residual evaluations")  # load: delta or U_x
 Rest = namedtuple("Rest", "u U_z T residual")  # (2, nodes) nm, nm, (2, nodes) GPa, nm
@@ -44,7 +48,7 @@ class Plain:
         mean, spread = 0.5 * (xx + zz), np.hypot(0.5 * (xx - zz), c)
         self.k_min, self.k_max = float((mean - spread).min()), float((mean + spread).max())
         lengths = scene.delta_n, scene.delta_t, scene.spacing, scene.window_t * scene.delta_t
-        self.law = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t, *lengths, scene.law == "xu-needleman"
+        self.law = scene.phi_n / scene.delta_n, 2.0 * scene.phi_t / scene.delta_t, *lengths, POTENTIAL[scene.law]
         self.u, self.T = pyfftw.zeros_aligned((2, self.n)), pyfftw.zeros_aligned((2, self.n))
         self.spectrum = pyfftw.zeros_aligned((2, self.n // 2 + 1), dtype=complex)
         plan = {"axes": (1,), "flags": ("FFTW_ESTIMATE",)}  # measured plans, hence round-off, differ from run to run

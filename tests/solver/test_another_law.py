@@ -5,11 +5,13 @@ from itertools import pairwise
 import extended
 import numpy as np
 import pytest
-from plain_gfmd import run
+from plain_gfmd import Plain, run
 from spectrum import growth
 
 from solver import CHOICES, Scene, load_path, simulate
+from solver.mechanics import cohesive_law
 from solver.mechanics.cohesive_law import tangent, traction
+from solver.scene import LAWS
 
 XN = Scene(law="xu-needleman")
 SMALL = XN.changed(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=40.0, u_x_max=6.0)
@@ -53,7 +55,7 @@ def test_shear_resistance_of_the_potential_law_changes_sign_below_minus_delta_n(
     assert (np.diff(-traction(XN.changed(law="np1"), ahead, gaps)[0]) > 0.0).all()
 
 
-@pytest.mark.parametrize("law", ["np1", "xu-needleman"])
+@pytest.mark.parametrize("law", LAWS)
 def test_the_kernels_agree_with_extended_precision(law):
     """Round-off of double precision, over the size of the springs."""
     scene, active = XN.changed(law=law), np.ones(U_X.size, bool)
@@ -87,6 +89,30 @@ def test_a_run_with_the_potential_law_agrees_with_an_explicit_gfmd(E, delta_bar,
     for name in ("F_bar", "L_bar", "A_bar"):
         ours, theirs = (np.array([getattr(each, name) for each in one]) for one in (frames, plain))
         assert np.abs(ours - theirs).max() <= 1e-5 * np.abs(theirs).max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS)
+def test_a_run_with_every_law_agrees_with_an_explicit_gfmd(law):
+    """As the run above."""
+    scene = SMALL.changed(law=law, du_x=0.5, du_z=0.5)
+    ours, theirs = (np.array([(one.F_bar, one.L_bar) for one in each(scene)]) for each in (load_path, run))
+    assert np.abs(ours - theirs).max() <= 1e-5 * np.abs(theirs).max()
+
+
+def test_references_reject_a_law_that_they_do_not_write(monkeypatch):
+    """Otherwise they would compute NP1 in its place, and agree with nothing but themselves."""
+    monkeypatch.setitem(LAWS, "third", "a law for this test")
+    monkeypatch.setitem(cohesive_law.OPENING, "third", 0.5)
+    scene = SMALL.changed(law="third")
+    with pytest.raises(KeyError, match="third"):
+        Plain(scene)
+    with pytest.raises(KeyError, match="third"):
+        extended.springs(scene, U_X.ravel(), GAP.ravel(), np.ones(U_X.size, bool))
+
+
+def test_every_law_has_its_factor():
+    assert LAWS.keys() == cohesive_law.OPENING.keys()
 
 
 def test_where_it_and_the_gfmd_differ_a_node_lies_at_the_edge_of_the_window():

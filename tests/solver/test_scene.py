@@ -1,8 +1,10 @@
 """Scene: what is accepted, what is refused, and the remedy of every refusal."""
 
+import ast
 import pickle
 from dataclasses import fields
 from math import inf, nan
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -135,6 +137,20 @@ def test_a_decimal_comma_is_read_and_reported(text, value):
 def test_a_comma_that_may_part_thousands_is_refused_with_both_readings():
     with pytest.raises(SceneError, match=r"width = '2,500': 2\.500 or 2500\? allowed.*write a decimal point"):
         number_from_text("width", "2,500")
+
+
+def reads(path):
+    """Names of the attributes that a module reads."""
+    return {
+        node.attr for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Attribute)
+    }
+
+
+def test_the_solver_uses_every_parameter():
+    """As scene.NAME, somewhere in its sources."""
+    used = set().union(*(reads(path) for path in (Path(__file__).parents[2] / "solver").rglob("*.py")))
+    assert {"E", "hurst"} <= used and "a_name_that_nothing_reads" not in used
+    assert not PARAMETERS.keys() - used
 
 
 def test_every_parameter_declares_its_meaning():

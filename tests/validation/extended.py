@@ -78,7 +78,7 @@ def _sums(scene, ux):
 
 def _opening(scene):
     """c in the factor 1 + c dn/delta_n of T_x."""
-    return LONG(1 if scene.law == "xu-needleman" else 0)
+    return LONG({"np1": 0, "xu-needleman": 1}[scene.law])
 
 
 def _strengths(scene, gap, active):

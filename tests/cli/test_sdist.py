@@ -1,0 +1,24 @@
+"""The sdist holds what its tests and docs need, also where it is built without the internet."""
+
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BUILD = "import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])"  # in this environment
+
+
+@pytest.mark.slow
+def test_the_sdist_holds_what_its_tests_and_docs_need(tmp_path):
+    tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    subprocess.run([sys.executable, "-c", BUILD, tmp_path], cwd=ROOT, capture_output=True, timeout=300, check=True)
+    (sdist,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    needed = {name for name in tracked if name.startswith(("tests/", "docs/", "solver/", "app/"))}
+    needed |= {"CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "SECURITY.md", "constraints.txt", "pyproject.toml"}
+    assert not needed - held
+    assert not [name for name in held if name.endswith((".pyc", ".nbc", ".nbi"))]
