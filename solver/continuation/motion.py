@@ -55,9 +55,9 @@ class Motion:
         """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change, self.options = dynamics, y, np.zeros_like(y), options
         self.closed, self.friction = closed, damping * dynamics.critical
-        # shorter below critical damping, where errors of energy decide by how many sites the surface slips; longer
-        # above it, where everything moves more slowly
-        self._step = options.step / sqrt(closed) * damping
+        # shorter below critical damping, where errors of energy decide by how many sites the surface slips. Not longer
+        # above it: nodes of the contact still move as fast, and slips of one site landed elsewhere
+        self._step = options.step / sqrt(closed) * min(damping, 1.0)
         self.load = load
         self._power: tuple | None = None
         self._mass, self._starts = None, True

@@ -47,7 +47,10 @@ class Linearised(Protocol):
         is not. Needed for N > `RestOptions.most`."""
 
     def seen(self, x) -> np.ndarray:
-        """The unknowns (size of the problem,) of x, with the sign in which the surface leaves an unstable state."""
+        """The unknowns (size of the problem,) of x, with the sign in which the surface leaves an unstable state.
+
+        By a rule, not by the state: that cannot tell the two ways apart where it is symmetric.
+        """
 
     def safe_damping(self) -> float:
         """The damping over critical above which no wave flutters; for `RestOptions.most` < N <= `dense_waves`."""
@@ -113,9 +116,6 @@ class Problem(Protocol):
 
     def alike(self, v) -> bool:
         """Whether all nodes are alike in v, so that no wave starts to grow without a disturbance."""
-
-    def loose(self, v, active) -> bool:
-        """Whether single nodes have several equilibria near v, so that small errors decide where each comes to rest."""
 
     def linearised(self, v, active) -> Linearised:
         """The problem linearised at an equilibrium; it stays valid after later calls."""

@@ -25,7 +25,9 @@ class SlipOptions:
     start: float = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
     # units from the end of the branch within which the motion counts as starting: four times where it starts
     left: float = 0.2
-    slow: float = 3.0  # factor of the steps while the motion starts slowly; 4 leads to other equilibria
+    # factor of the usual steps while the motion starts slowly; 4 leads to other equilibria. With 3 a slip in a thousand
+    # does, which a motion of finer steps shows, as it does without that factor
+    slow: float = 3.0
     # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
     # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
     finer: tuple = (1, 2, 4, 16)
@@ -127,7 +129,7 @@ class Transient:
         """The factor of the usual steps until the next check; without inertia, steps may adapt to the speed."""
         options = self.options
         if isfinite(self.damping):
-            return options.slow if self.starting else 1.0
+            return options.slow if self.starting and self.finer == 1.0 else 1.0
         moved = np.abs(self.ahead).max() / self.unit
         if moved > options.crawl:
             self._crawl = max(0.5 * self._crawl, 1.0)

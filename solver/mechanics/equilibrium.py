@@ -16,9 +16,6 @@ from ..continuation.state import PulledOff
 from .linearised import Linearised
 from .surface import Surface
 
-# Stiffness of springs over that of the layer against one node, from which single nodes may rest in several places. In
-# theory they may from 1 on; 1 gives the same slips with as many evaluations (tests/bench/constants.py).
-LOOSE = 2.0
 # Share of the drive in the compliance to a uniform traction from which single precision is too coarse for an inverse
 SOFT = 0.999
 ALIKE = 1e-5  # units between nodes that count as alike: what the solves of followed states leave
@@ -171,11 +168,6 @@ class Equilibrium:
         """Whether all nodes are alike in v, to ALIKE."""
         flat = self.contact.scene.surface == "flat"
         return flat and bool(np.ptp(self.surface(v), axis=1).max() <= ALIKE * self.unit)
-
-    def loose(self, v, active) -> bool:
-        """Whether the springs of a node are LOOSE times as stiff as the layer against that node alone."""
-        stiffest = np.abs(self.contact.tangents(self.surface(v), active)[0]).max()
-        return bool(stiffest * self.contact.modes.kernels[0, 0] > LOOSE)
 
     def linearised(self, v, active) -> Linearised:
         """The Linearised at an equilibrium."""

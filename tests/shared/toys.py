@@ -51,9 +51,6 @@ class Toy:
     def alike(self, v):
         return False
 
-    def loose(self, v, active):
-        return False
-
     def linearised(self, v, active):
         return Disturbed(self, v)
 

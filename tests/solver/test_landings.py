@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from helpers import first_slip
 from plain_gfmd import Plain
+from toys import cubic
 
 from solver import Scene, whole_surface
+from solver.continuation.motion import Motion
 
 ROUGH = [  # landed one site or more beside GFMD when the motion had one step for all surfaces
     {
@@ -22,6 +24,10 @@ ROUGH = [  # landed one site or more beside GFMD when the motion had one step fo
 ]  # fmt: skip
 FLAT = {"surface": "flat", "nodes": 82, "width": 183.0076, "E": 17.278, "nu": 0.49, "height": 0.7086, "phi_n": 2.2991,
         "phi_ratio": 0.5927, "delta_bar": 0.11692, "u_x_max": 60.0}  # fmt: skip
+# Of one site: the motion's longer steps at its start, and half of them, led past where GFMD lands
+WAVE = {"surface": "wave", "nodes": 74, "width": 159.6994, "E": 121.41, "nu": 0.45, "height": 1.7109, "phi_n": 1.7788,
+        "phi_ratio": 0.69229, "delta_bar": 0.27326, "damping": 0.99548, "waves": 3, "amplitude": 2.540847660250356,
+        "u_x_max": 60.0}  # fmt: skip
 SENSITIVE = {"surface": "flat", "nodes": 183, "width": 411.0729, "E": 33.661, "nu": 0.49, "height": 0.62784,
              "phi_n": 0.60637, "phi_ratio": 0.59469, "delta_bar": 0.77676, "window_n": 8.0,
              "u_x_max": 60.0}  # fmt: skip
@@ -47,8 +53,10 @@ def landings(scene, before, load, end):
     return found
 
 
-@pytest.mark.parametrize("values", [*({"surface": "rough", **own} for own in ROUGH), FLAT], ids=["one", "many", "flat"])
-def test_first_slip_of_rough_and_flat_surfaces_lands_where_gfmd_lands(values):
+@pytest.mark.parametrize(
+    "values", [*({"surface": "rough", **own} for own in ROUGH), FLAT, WAVE], ids=["one", "many", "flat", "wave"]
+)
+def test_first_slip_of_rough_flat_and_wavy_surfaces_lands_where_gfmd_lands(values):
     """GFMD agrees with itself to 1e-3 of the force before the slip; landings a site apart differ by 5 to 42 % of it."""
     scene = Scene(**values, du_z=0.25)
     before, frame, event = first_slip(scene)
@@ -69,3 +77,16 @@ def test_a_frame_is_marked_sensitive_where_gfmd_or_the_solver_land_in_several_pl
     forces = [(frame.F_bar, frame.L_bar), *landings(scene, before, event.load, frame.U_x)]
     assert np.ptp(forces, axis=0).max() > 0.01 * event.F_bar  # the premise
     assert frame.sensitive
+
+
+def test_strong_damping_does_not_lengthen_the_steps_of_the_motion():
+    """Nodes of the contact move as fast as at critical damping; only slow modes take longer."""
+    problem = cubic()
+    dynamics = problem.motion()
+    y = dynamics.start(np.zeros(problem.size), np.ones(1, bool), 0.0)
+    steps = []
+    for damping in (0.5, 1.0, 4.0):
+        motion = Motion(dynamics, y, 0.0, damping, 1.0)
+        motion.soften(1.0)
+        steps.append(motion.step)
+    assert steps[2] == steps[1] == 2.0 * steps[0]
