@@ -3,7 +3,7 @@
 import numpy as np
 
 from .mechanics.layer import Modes
-from .run.frame import largest_safe_damping
+from .run.frame import largest_overlap, largest_safe_damping
 from .run.summary import widest
 
 COARSE = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
@@ -20,20 +20,21 @@ STRAIN = 0.1
 SLOPE = 0.1
 SENSITIVE = (
     "Which equilibrium a slip of this run reaches is sensitive: motions with other time steps or from another"
-    " start came to rest elsewhere. Later slips may differ, too."
+    " start came to rest elsewhere, or a symmetric contact could move either way. Later slips may differ, too."
 )
 
 
-def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
+def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False, overlap=0.0) -> list[str]:
     """One sentence for every choice that affects the result.
 
     widest: the largest width within which nodes acted, over w; safe_damping: the largest of the run's frames;
-    sensitive: whether a slip of the run is.
+    sensitive: whether a slip of the run is; overlap: the largest of the surfaces, over delta_n.
     """
     return [
         *_of_the_lattice(scene),
         *flutter(scene, safe_damping),
         *([SENSITIVE] if sensitive else []),
+        *_of_the_law(scene, overlap),
         *_of_the_layer(scene),
         *_of_the_surface(scene, widest),
     ]
@@ -41,7 +42,8 @@ def cautions(scene, widest=0.0, safe_damping=0.0, sensitive=False) -> list[str]:
 
 def cautions_of(scene, frames) -> list[str]:
     """The cautions of a run, from all its Frames."""
-    return cautions(scene, widest(frames), largest_safe_damping(frames), any(frame.sensitive for frame in frames))
+    sensitive = any(frame.sensitive for frame in frames)
+    return cautions(scene, widest(frames), largest_safe_damping(frames), sensitive, largest_overlap(frames))
 
 
 def _of_the_lattice(scene):
@@ -66,6 +68,14 @@ def flutter(scene, safe_damping) -> list[str]:
         f"Damping {scene.damping:g} is low for this contact: parts of it may flutter where a frame shows"
         f" an equilibrium. Use {safe_damping:.2g} or more, at which none can."
     ]
+
+
+def _of_the_law(scene, overlap):
+    if scene.law == "xu-needleman" and overlap > 1.0:
+        yield (
+            f"The surfaces overlap by up to {overlap:.2g} δₙ. Beyond 1 δₙ the law of Xu and Needleman pushes sheared"
+            " nodes on instead of back. Use law=np1, or a smaller delta_bar."
+        )
 
 
 def _of_the_layer(scene):

@@ -26,7 +26,7 @@ FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per fr
 FLAT = 160  # nodes sent of a flat surface, where all are alike
 LEVEL = 3  # of zlib: a default run takes 20 ms; with 6 it takes 80 ms for 11 % fewer bytes
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
-LARGEST = ("residual", "widest", "safe_damping", "sensitive")  # of Frames: of two parts the larger one
+LARGEST = ("residual", "widest", "overlap", "safe_damping", "sensitive")  # of Frames: of two parts the larger one
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class Frames:
     evaluations: int = 0
     residual: float = 0.0  # nm, the largest
     widest: float = 0.0  # part of w over which anything acts, at most
+    overlap: float = 0.0  # of the surfaces over delta_n, the largest
     safe_damping: float = 0.0  # the largest
     sensitive: bool = False  # whether a slip is, as of `solver.Frame`
     skeleton: Skeleton | None = None  # of a run that is done: a drag continues from it

@@ -17,7 +17,7 @@ from app.service.packing import Frames, packed
 from solver import NotFollowed, Scene, advance, skeleton_from
 from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
-from solver.run.frame import largest_safe_damping
+from solver.run.frame import largest_overlap, largest_safe_damping
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import in_time
 from solver.run.summary import widest
@@ -110,6 +110,7 @@ def compute(scene, state, budget, limit=SLOW):
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
         widest=widest(frames),
+        overlap=largest_overlap(frames),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
         state=None if checkpoint.done else pickle.dumps((checkpoint, last)),

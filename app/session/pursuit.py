@@ -260,7 +260,7 @@ class Pursuit:
     def _ended(self, whole):
         """After a run: compare it with the last picture, follow from it, and search the marks of the sliders."""
         run = self.run
-        self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive)
+        self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
         if run.state == "finished" and self.shown == run.scene:
             call = (compared, self.skeleton, whole.blocks)
             self.comparison.ask(call, partial(self._compared, run.scene), rank=LATER)

@@ -12,6 +12,9 @@ SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
 # of the interval, the least part that a step leaves at either side, so that both sides move; half and twice change no
 # run of tests/bench/constants.py
 LEAST = 1e-3
+# cosine between a mode and the way of the state, below which they are orthogonal: round-off of symmetric problems makes
+# 1e-5, and an inaccurate mode 2e-3
+SYMMETRIC = 1e-2
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
 
 
@@ -47,9 +50,12 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     else:
         return None
     end = _narrowed(corrector, judged, state, stable, unstable)
-    x = end.mode.x
-    phi = x * np.copysign(1.0 / max(np.abs(x).max(), TINY), dot(x, after.v - older[0].v))  # the way the state moves
-    return End(end.point.load, end.point.v, state.active, phi, end.mode.kind)
+    x, way = end.mode.x, after.v - older[0].v
+    along = float(dot(x, way) / max(dot(x, x) * dot(way, way), TINY) ** 0.5)
+    symmetric = end.mode.kind == "bifurcation" and abs(along) < SYMMETRIC and not corrector.problem.alike(end.point.v)
+    # the surface leaves the way that the state moves; where both ways are equal, as the rule of `Linearised.seen` says
+    phi = x * np.copysign(1.0 / max(np.abs(x).max(), TINY), 1.0 if symmetric else along)
+    return End(end.point.load, end.point.v, state.active, phi, end.mode.kind, sensitive=symmetric)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):

@@ -80,7 +80,8 @@ class End(NamedTuple):
     kind: "fold", where the load has a maximum; "flutter", where an oscillation starts to grow; "bifurcation", where a
     real mode does, but not at a fold; "control", where another load takes over under which the state is unstable;
     "lost", where the branch could not be continued: the transient decides if it ends. sensitive: motions
-    with other time steps, or from another start, came to rest elsewhere.
+    with other time steps, or from another start, came to rest elsewhere, or the surface may leave a symmetric state
+    either way.
     """
 
     load: float  # nm

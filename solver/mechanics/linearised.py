@@ -14,6 +14,7 @@ from .cohesive_law import add_product, alike
 from .flutter import safe_friction
 
 MOST = 1200  # nodes up to which a tangent is formed; for more, iterative solves take less time
+LEVEL = 1e-2  # sum of heights of a disturbance, over that of its displacements along x, below which it only tilts
 BESIDE = 1e-3  # units along a disturbance, for the change of J: the error is the square, round-off 1e-13
 
 
@@ -111,10 +112,15 @@ class Linearised:
         return out.reshape(-1)
 
     def seen(self, x) -> np.ndarray:
-        """The unknowns (problem size,) of a disturbance x (size,), with the sign in which the surface sinks."""
+        """The unknowns (problem size,) of a disturbance x (size,), with the sign in which the surface sinks.
+
+        Where it neither sinks nor rises, because it tilts a symmetric contact, it moves along x, the direction of
+        pulling.
+        """
         field = x.reshape(2, -1)
-        rises = field[1, self.surface.patch].sum() > 0.0
-        return self._unknowns(-field if rises else field)
+        along, up = field[:, self.surface.patch].sum(axis=1)
+        turned = up > 0.0 if abs(up) > LEVEL * abs(along) else along < 0.0
+        return self._unknowns(-field if turned else field)
 
     def _unknowns(self, field):
         """The unknowns of a displacement of the surface (2, n), under which the layer bears the same load."""

@@ -48,7 +48,7 @@ class SlipEvent:
 
     kind: as of `continuation.state.End`. located: whether the load is that of the end itself, to 1e-6 nm, or
     only that of the increment in which it lies. sensitive: motions with other time steps, or from another start, came
-    to rest elsewhere.
+    to rest elsewhere, or a symmetric contact may leave the branch either way: then it moves along x.
 
     Example: `[event.load for frame in simulate(Scene()).frames for event in frame.slips]`
     """
@@ -159,6 +159,15 @@ def largest_safe_damping(frames: Sequence[Frame]) -> float:
     computed = [frame for frame in frames if not frame.repeated]
     before = [frame for frame, after in pairwise(computed) if after.slips]
     return max((frame.safe_damping for frame in [*computed[::-SAMPLE], *before]), default=0.0)
+
+
+def largest_overlap(frames: Sequence[Frame]) -> float:
+    """The largest depth over delta_n by which the surfaces of a Frame overlap; 0.0 where they do not."""
+    gaps = (frame.scene.profile[frame.first :][: frame.u.shape[1]] + frame.u[1] for frame in frames)
+    deepest = min(
+        (float(gap.min()) / frame.scene.delta_n for gap, frame in zip(gaps, frames, strict=True)), default=0.0
+    )
+    return max(-deepest, 0.0)
 
 
 def slips_in(run) -> list[SlipEvent]:

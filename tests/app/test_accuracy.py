@@ -12,8 +12,9 @@ from visitor import Page, order
 from app.pages.accuracy import page as accuracy
 from app.service import bench
 from app.views.plots import view_of
-from solver import Scene
+from solver import Scene, simulate, whole_surface
 from solver.cautions import cautions
+from solver.run.frame import largest_overlap
 
 WAIT = PATIENCE / 1000  # s
 
@@ -43,6 +44,21 @@ def test_too_weak_damping_gives_a_caution_with_a_safe_value():
     (sentence,) = cautions(Scene(damping=0.3), 0.3, safe_damping=0.42)
     assert "may flutter" in sentence and "Use 0.42 or more" in sentence
     assert cautions(Scene(damping=0.42), 0.3, safe_damping=0.42) == []
+
+
+def test_surfaces_that_overlap_by_more_than_delta_n_give_a_caution_under_the_law_with_a_potential():
+    scene = Scene(law="xu-needleman")
+    (sentence,) = cautions(scene, overlap=1.7)
+    assert "overlap by up to 1.7 δₙ" in sentence and "Use law=np1, or a smaller delta_bar" in sentence
+    assert cautions(scene, overlap=1.0) == cautions(Scene(), overlap=1.7) == []
+
+
+def test_a_pressed_contact_overlaps_and_a_flat_far_away_does_not():
+    deep, far = (simulate(Scene(nodes=32, width=80.0, u_x_max=0.0, delta_bar=d)).frames for d in (1.0, -0.9))
+    scene = deep[-1].scene
+    expected = -(scene.profile + whole_surface(scene, deep[-1])[1]).min() / scene.delta_n
+    assert largest_overlap(deep) == pytest.approx(expected, abs=1e-6) and expected > 1.0
+    assert largest_overlap(far) == largest_overlap([]) == 0.0
 
 
 def test_cautions_start_at_their_limits_and_accumulate():

@@ -135,6 +135,16 @@ def test_a_fold_under_the_other_law_is_found_before_a_frame_is_unstable():
     assert max(growth(scene, frame) for frame in frames if frame.T.any()) <= 1e-6
 
 
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-9])
+def test_a_contact_that_may_tilt_either_way_moves_along_x_and_its_event_is_sensitive(tolerance):
+    """In a symmetric approach below -delta_n, round-off decided the way, and with it the first slip of the shear."""
+    scene = XN.changed(nodes=512, width=1250.0, E=400.0, delta_bar=1.0, u_x_max=0.0, tolerance=tolerance)
+    *_, last = frames = list(load_path(scene))
+    (event,) = (event for frame in frames for event in frame.slips)
+    assert (event.stage, event.kind, event.sensitive) == ("approach", "bifurcation", True)
+    assert last.u[0].mean() == pytest.approx(1.00566, abs=1e-4)  # nm; to the other side it is its negative
+
+
 def test_no_state_of_the_potential_law_can_flutter():
     """With a symmetric tangent the safe damping vanishes, however weak the damping."""
     frames = simulate(SMALL.changed(damping=0.2, nodes=256, width=640.0, u_x_max=3.0)).frames
