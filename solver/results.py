@@ -114,6 +114,17 @@ class Result:
 
         return stress_in(min(self._after, key=lambda frame: abs(frame.U_x - U_x)), z)
 
+    @cached_property
+    def edges(self) -> pd.DataFrame:
+        """A row per increment in which one part is in contact: U_x (nm), and of its trailing and its leading edge the
+        place x (nm), the energy release rate J (N/m) and the mode angle psi (rad); see `release_rates`.
+        """
+        import pandas as pd
+
+        from .analysis.toughness import edges_over
+
+        return pd.DataFrame(edges_over(self._after))
+
     def plot(self, over_top: bool = False) -> hv.Layout:
         """F and L, A, and the normal traction over place and displacement, as a HoloViews layout.
 

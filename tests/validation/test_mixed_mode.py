@@ -132,3 +132,16 @@ def test_release_rates_need_one_contact():
     frame = simulate(Scene(nodes=64, width=160.0, surface="flat", u_x_max=0.0)).frames[-1]
     with pytest.raises(ValueError, match="one part in contact"):
         release_rates(frame)
+
+
+def test_edges_of_a_punch_rise_in_mode_angle_while_it_is_sheared():
+    """The rates follow the toughness; the cohesive zone of this punch is not small, so that they lie 15 % off."""
+    result = simulate(Scene(delta_bar=0.4, u_x_max=8.0, du_x=0.5))
+    edges = result.edges
+    assert len(edges) == sum(frame.stage == "shear" for frame in result.frames)
+    for side in ("trailing", "leading"):
+        angle = edges[f"psi_{side} (rad)"]
+        assert angle[2:].is_monotonic_increasing  # before, the pressing itself shears both edges, in opposite ways
+        gamma = toughness(result.scene, angle)
+        assert edges[f"J_{side} (N/m)"].to_numpy() == pytest.approx(gamma, rel=0.15)
+    assert (edges["x_trailing (nm)"] < edges["x_leading (nm)"]).all()
