@@ -179,11 +179,11 @@ class Result:
         """What differs from the default, the first slip, and what limits the result."""
         changed = ", ".join(f"{name} = {value}" for name, value in self.scene.differences().items()) or "the default"
         count, first = int((self.slips["stage"] != "approach").sum()), self.first_slip
-        slipping = f"{counted(count, 'slip')}, none along U_x" if count else "no slip"
+        lines = [f"Scene: {changed}", f"{counted(len(self.frames), 'increment')}, {counted(count, 'slip')}"]
         if first:
-            slipping = f"first slip at U_x = {first.U_s:.2f} nm: F = {first.F_s:.4g} N/m, A = {first.A_s:.4g} nm"
-            slipping += f"; {counted(count, 'slip')}"
-        return [f"Scene: {changed}", f"{len(self.frames)} increments, {slipping}", *self._notes]
+            forces = f"F = {first.F_s:.4g} N/m, L = {first.L_s:.4g} N/m, A = {first.A_s:.4g} nm"
+            lines.append(f"First slip at U_x = {first.U_s:.2f} nm: {forces}")
+        return [*lines, *self._notes]
 
     def __repr__(self) -> str:
         return "\n".join(self._lines)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..continuation.state import OutOfTime
-from ..scene import Scene
+from ..scene import LIMITS, Scene
 from ..tables import Source
 from .measurement import JUMP, Measurement, read_measurement
 from .partial import DRIVE, continuous
@@ -38,7 +38,10 @@ XTOL, FTOL = 1e-7, 1e-8
 LIMIT = 60.0  # s, of a fit: about as long as somebody waits
 
 
-@dataclass(frozen=True)
+UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """Values and standard errors in the units of Scene (offset_U nm, offset_F as F_bar), correlations (n, n).
 
@@ -55,6 +58,15 @@ class Fit:
     warnings: tuple[str, ...]
     rows: list[tuple[float, str, float, float]]
     residuals: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        units = {name: LIMITS[name].unit if name in LIMITS else UNITS.get(name, "") for name in self.values}
+        lines = [
+            f"{name} = {v:.6g} +- {self.errors[name]:.2g} {units[name]}".rstrip() for name, v in self.values.items()
+        ]
+        fits = "fits within the noise" if self.reached else "does not fit within the noise"
+        verdict = f"The curve {fits}: chi^2 = {self.chi2:.3g} per degree of freedom, {self.runs} runs"
+        return "\n".join([*lines, verdict, *(f"Caution: {each}" for each in self.warnings)])
 
     def as_dict(self) -> dict[str, object]:
         """By plain names, as JSON has it."""

@@ -7,7 +7,7 @@ from typing import Any
 from .. import plots, skeleton_of
 from ..analysis import fit as fits
 from ..analysis import sensitivities as analysis
-from ..analysis.fit import LIMIT
+from ..analysis.fit import LIMIT, UNITS
 from ..analysis.measurement import read_measurement
 from ..analysis.trial import AXES
 from ..files import write_json, write_rows
@@ -24,7 +24,6 @@ from .options import (
 )
 
 SLIP = ("U_s", "F_s", "L_s", "A_s")  # the derivatives of a slip
-UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 VERDICTS = {  # by whether the curve fits within the noise, and whether nothing limits what that means
     (True, True): "The curve fits the data, and the data determine the parameters.",
     (True, False): "The curve fits the data. The cautions name what limits this result.",

@@ -32,7 +32,7 @@ class Held:
     kind: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Skeleton:
     """The shear of a scene: its branches in order. After the last one, branch `home` follows, shifted by `sites`.
 
@@ -53,6 +53,11 @@ class Skeleton:
     residual: float = np.inf  # nm, the largest of its states
     contact: "Skeleton | None" = field(default=None, repr=False)  # without contact: that in contact, for the way back
     held: Held | None = field(default=None, repr=False)  # under a held load
+
+    def __repr__(self) -> str:
+        period = f"repeats itself after {self.period:.6g} nm" if self.sites else "does not repeat itself"
+        count = f"{len(self.branches)} branch{'es' * (len(self.branches) != 1)}"
+        return f"Skeleton of {self.scene!r}: {count}, {period}, {self.evaluations} force evaluations"
 
     @property
     def period(self) -> float | None:

@@ -10,11 +10,13 @@ import shlex
 import subprocess
 import sys
 import tomllib
+from contextlib import suppress
 from functools import partial
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import solver
@@ -52,13 +54,22 @@ def test_every_link_inside_the_repository_leads_to_a_file(page):
             assert (page.parent / target).is_file(), target
 
 
-def test_the_python_of_the_readme_runs(tmp_path, monkeypatch):
+@pytest.mark.slow
+def test_the_python_of_the_readme_prints_what_the_readme_shows(tmp_path, monkeypatch, capsys):
+    """On a terminal of 80 columns; numbers to 1e-4, as the last digits differ between processors."""
     monkeypatch.chdir(tmp_path)
-    blocks = [block["text"] for block in CODE.finditer(README.read_text(encoding="utf-8")) if block["kind"] == "python"]
-    assert blocks
-    for block in blocks:
-        exec(block, {})
-    assert (tmp_path / "run.html").is_file()
+    blocks = list(CODE.finditer(README.read_text(encoding="utf-8")))
+    (code,), (shown,) = ([b["text"] for b in blocks if b["kind"] == kind] for kind in ("python", "text"))
+    with pd.option_context("display.width", 80, "display.max_columns", 0):
+        exec(code, {})
+    assert (tmp_path / "run.html").is_file() and (tmp_path / "curve.csv").is_file()
+    printed, written = (text.split() for text in (capsys.readouterr().out, shown))
+    assert max(map(len, shown.splitlines())) <= 80
+    assert len(printed) == len(written)
+    for ours, theirs in zip(printed, written, strict=True):
+        with suppress(ValueError):
+            ours, theirs = float(ours), pytest.approx(float(theirs), rel=1e-4)
+        assert ours == theirs
 
 
 FUNCTIONS = [name for name in solver.__all__ if inspect.isroutine(getattr(solver, name))]

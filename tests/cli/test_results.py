@@ -205,7 +205,7 @@ def test_plots_in_a_notebook_need_no_internet(monkeypatch):
 
 def test_a_result_prints_what_a_notebook_shows(result):
     lines = str(result).split("\n")
-    assert lines[0].startswith("Scene: delta_bar = 0.1, ") and "first slip at U_x = " in lines[1]
+    assert lines[0].startswith("Scene: delta_bar = 0.1, ") and lines[2].startswith("First slip at U_x = ")
     assert all(f"<p>{escape(line)}</p>" in result._repr_html_() for line in lines)
 
 
@@ -218,7 +218,7 @@ def test_a_frame_prints_its_place_and_forces(result):
 def test_a_notebook_shows_what_differs_the_first_slip_and_a_curve(result):
     shown = result._repr_html_()
     assert f"{summarize(SMALL, result.frames)['slips']} slips" in shown
-    assert "delta_bar = 0.1" in shown and "first slip at U_x = " in shown and "<polyline" in shown
+    assert "delta_bar = 0.1" in shown and "First slip at U_x = " in shown and "<polyline" in shown
     assert " N/m" in shown and " nm" in shown
 
 

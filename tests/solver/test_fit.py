@@ -1,5 +1,6 @@
 """Fits recover the parameters of computed curves, and warn of what the data do not determine."""
 
+import re
 from io import StringIO
 
 import numpy as np
@@ -254,6 +255,13 @@ def test_a_fit_takes_the_name_of_a_file(tmp_path):
     file = tmp_path / "curve.csv"
     simulate(SMALL.changed(u_x_max=6.0)).table.to_csv(file, index=False)
     assert fit(SMALL.changed(phi_n=2.02), str(file), ["phi_n"]).values["phi_n"] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_a_fit_prints_values_with_errors_and_units_the_verdict_and_its_cautions(skeleton):
+    shown = repr(fit(SMALL.changed(phi_n=2.1), measured(skeleton), ["phi_n"])).splitlines()
+    assert re.fullmatch(r"phi_n = (1.9|2|2.0)\d* \+- [\d.e-]+ N/m", shown[0])
+    assert shown[1].startswith("The curve fits within the noise: chi^2 = ")
+    assert all(line.startswith("Caution: ") for line in shown[2:])
 
 
 def test_areas_in_nm_grow_with_a_free_width(skeleton):

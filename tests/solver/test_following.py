@@ -332,7 +332,7 @@ def test_frames_of_a_skeleton_carry_their_residuals(skeleton):
 
 
 def test_a_skeleton_has_a_short_repr_and_compares_by_identity(skeleton):
-    assert len(repr(skeleton)) < 500
+    assert len(repr(skeleton)) < 500 and repr(skeleton).startswith(f"Skeleton of {skeleton.scene!r}: ")
     assert skeleton == skeleton and skeleton != follow(skeleton, SMALL) and hash(skeleton)
 
 
