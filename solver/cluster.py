@@ -33,7 +33,8 @@ class Cluster:
             self._client = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError):
             raise ClusterError(f"scheduler {address}: cannot be reached; give tcp://host:8786") from None
-        if not self._client.ncores():
+        self.count = len(self._client.ncores())
+        if not self.count:
             self._client.close()
             raise ClusterError(f"scheduler {address}: no worker there; dask worker {address} --nthreads 1")
         self._call, self._address, self._patience = call, address, limit

@@ -4,10 +4,11 @@ import os
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from inspect import isgenerator
+from itertools import islice
 from math import inf
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
@@ -36,6 +37,13 @@ class Lost(Exception):
 
     def __str__(self) -> str:
         return self.reason
+
+    @property
+    def sentence(self) -> str:
+        """The reason in one line: of an error, the last line of its traceback."""
+        if self.kind != "error":
+            return self.reason
+        return f"unexpected error {self.reason.strip().splitlines()[-1]}; run this scene alone to see where"
 
 
 class Caller:
@@ -132,7 +140,7 @@ class Processes:
     """Processes of this machine; each makes one call after another, and the next one starts where one is lost."""
 
     def __init__(self, call: Callable, workers: int, limit: float) -> None:
-        self._call, self._limit = call, limit
+        self._call, self._limit, self.count = call, limit, workers
         self._threads, self._own, self._over = ThreadPoolExecutor(workers), local(), Event()
         self._callers: list[Caller] = []
         self._ended: SimpleQueue[Future] = SimpleQueue()
@@ -173,26 +181,27 @@ class Processes:
 
 
 def outcomes(
-    call: Callable, items: Sequence[Any], workers: int | str | None = None, limit: float = LIMIT
+    call: Callable, items: Iterable[Any], workers: int | str | None = None, limit: float = LIMIT
 ) -> Iterator[tuple[int, Any]]:
     """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
 
-    items: a list may grow while outcomes are consumed. workers: the number of processes on this machine (None: one for
-    each core), or the address of a dask cluster's scheduler; then raises ClusterError. limit: s for each call.
+    items: taken one by one as processes become free, so that an item may depend on the outcomes before. workers: the
+    number of processes on this machine (None: one for each core), or the address of a dask cluster's scheduler; then
+    raises ClusterError. limit: s for each call.
     """
     from .cluster import Cluster  # it imports this module
 
     workers = workers or os.cpu_count() or 1
     with Cluster(call, workers, limit) if isinstance(workers, str) else Processes(call, workers, limit) as pool:
-        submitted = received = 0
+        left, running = enumerate(items), 0
         while True:
-            for item in items[submitted:]:
-                pool.submit(submitted, item)
-                submitted += 1
-            if received == submitted:
+            for index, item in islice(left, pool.count - running):
+                pool.submit(index, item)
+                running += 1
+            if not running:
                 return
             yield pool.completed()
-            received += 1
+            running -= 1
 
 
 def _serve(pipe):

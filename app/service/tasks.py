@@ -18,7 +18,7 @@ from solver import LIMITS, NotConverged, ProfileError, advance, load_path, read_
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
-from solver.analysis.maps import points_of
+from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
 from solver.analysis.sensitivities import sensitivities
 from solver.files import report_of, write_json, write_npz
@@ -130,17 +130,10 @@ def what_matters(scene):
     return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
 
 
-def map_tile(tile, state=()):
-    """Return [(Point, its Skeleton as of `skeletons.pickled`, or None)] of a Tile with such `known`; or a Part."""
-    begun, state = perf_counter(), list(state)
-    there = {(point.i, point.j) for point, _ in state}
-    asked = tuple(place for place in tile.asked if place not in there)
-    known = tuple((point, skeleton and pickle.loads(skeleton)) for point, skeleton in (*tile.known, *state))
-    for point, skeleton in points_of(replace(tile, asked=asked, known=known, keep=True)):
-        state.append((point, skeleton and pickled(skeleton)))
-        if perf_counter() - begun > SLICE and len(state) < len(tile.asked):
-            return Part(tuple(state))
-    return [(point, skeleton if tile.keep else None) for point, skeleton in state]
+def map_point(task):
+    """Return (Point, its Skeleton as of `skeletons.pickled`, or None) of a maps.Task that starts from such bytes."""
+    point, skeleton = computed_point(replace(task, start=task.start and pickle.loads(task.start)))
+    return point, skeleton and pickled(skeleton)
 
 
 def layer_table(scene, depth, rows, modes):

@@ -1,4 +1,4 @@
-"""The page "Map of regimes" without a browser: tiles against exact runs, refinement, labels, colours."""
+"""The page "Map of regimes" without a browser: points against exact runs, refinement, labels, colours."""
 
 import pickle
 
@@ -6,32 +6,24 @@ import numpy as np
 import pytest
 from visitor import order
 
-from app.pages.regimes.page import COLUMNS, ROWS, labels, limits, outlines
+from app.pages.regimes.page import AT_ONCE, COLUMNS, ROWS, labels, limits, outlines
 from app.service import tasks
 from app.service.cache import Cache
 from app.service.skeletons import pickled
 from solver import Scene, follow
 from solver.analysis.maps import REGIMES, Axis, Map, Point
-from solver.analysis.maps.grid import Cell
 from solver.analysis.maps.run import computed
 from solver.following.from_run import skeleton_of
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 
 
-def test_a_sliced_map_tile_matches_exact_runs(monkeypatch):
-    grid = Map(SMALL, Axis("delta_bar", 0.0, 0.2, 5), Axis("phi_ratio", 0.5, 1.0, 5))
-    known = {}
-    monkeypatch.setattr(tasks, "SLICE", 0.0)
-    for level in range(grid.levels):
-        for tile in grid.tiles(level, known):
-            made, parts = tasks.map_tile(tile), 1
-            while isinstance(made, tasks.Part):
-                parts, made = parts + 1, tasks.map_tile(tile, made.state)
-            assert parts == len(tile.asked)
-            known |= {(point.i, point.j): (point, skeleton) for point, skeleton in made}
-            assert all(skeleton is None or isinstance(skeleton, bytes) for _, skeleton in made)
+def test_map_points_computed_by_the_task_match_exact_runs():
+    grid, known = Map(SMALL, Axis("delta_bar", 0.0, 0.2, 5), Axis("phi_ratio", 0.5, 1.0, 5)), {}
+    for place in grid.places():
+        known[place] = tasks.map_point(grid.task(place, known))
     points = [point for point, _ in known.values()]
+    assert all(skeleton is None or isinstance(skeleton, bytes) for _, skeleton in known.values())
     assert len(points) == grid.size and any(point.followed for point in points)
     for point in points[::3]:
         values = {"delta_bar": float(grid.x.values[point.i]), "phi_ratio": float(grid.y.values[point.j])}
@@ -40,22 +32,26 @@ def test_a_sliced_map_tile_matches_exact_runs(monkeypatch):
 
 
 def answered(session):
-    """Answer every requested tile, also later ones: slips in the left half, smooth sliding in the right."""
+    """Answer every requested point, also later ones: slips in the left half, smooth sliding in the right."""
     page, done, slips = session.pages.page, 0, REGIMES.index("slips by one site")
-    while tasks_left := [task.call for task in session.pool.tasks if task.call[0] is tasks.map_tile][done:]:
-        for call in tasks_left:
+    while calls := asked(session)[done:]:
+        for call in calls:
             done += 1
-            regime = lambda i: REGIMES[slips if i <= COLUMNS // 2 else slips - 2]  # noqa: E731
-            points = [Point(i=i, j=j, regime=regime(i), F_s=1e-4) for i, j in call[1].asked]
-            page.sweep._answered(call, [(point, None) for point in points])
+            regime = REGIMES[slips if call[1].i <= COLUMNS // 2 else slips - 2]
+            page.sweep._answered(call, (Point(i=call[1].i, j=call[1].j, regime=regime, F_s=1e-4), None))
     return done
+
+
+def asked(session):
+    return [task.call for task in session.pool.tasks if task.call[0] is tasks.map_point]
 
 
 def test_map_is_refined_from_coarse_to_complete(session):
     order(session, "page", page="regimes")
-    first = [task.call[1] for task in session.pool.tasks if task.call[0] is tasks.map_tile]
-    assert len(first) == 9 and {len(tile.asked) for tile in first} == {1}  # a coarse picture of all of it
-    assert answered(session) > 9
+    first = [call[1] for call in asked(session)]
+    corners = {(0, 0), (0, ROWS - 1), (COLUMNS - 1, 0), (COLUMNS - 1, ROWS - 1)}
+    assert len(first) == AT_ONCE and {(task.i, task.j) for task in first} >= corners
+    assert answered(session) == COLUMNS * ROWS
     view = session.pages.page.views["map"]
     image = view.parts["map"].data_source.data["image"][0]
     assert image == pytest.approx(1e-4, rel=1e-6)  # N/m, everywhere
@@ -69,11 +65,11 @@ def test_a_click_on_the_map_starts_from_the_nearest_stored_skeleton(session, mon
     order(session, "page", page="regimes")
     page, scene = session.pages.page, session.scene
     places = {"far": (8, 12), "near": (28, 20), "dropped": (27, 21)}
-    scenes = {name: page.grid.tile(0, Cell((place,)), {}).scene_at(place) for name, place in places.items()}
+    scenes = {name: page.grid.task(place, {}).scene_there() for name, place in places.items()}
     page.known = {places[name]: (Point(), scene) for name, scene in scenes.items()} | {(29, 20): (Point(), None)}
     kept = {scenes[name]: pickle.dumps(name) for name in ("far", "near")}
     monkeypatch.setattr("app.pages.regimes.page.skeletons", kept)
-    there = page.grid.tile(0, Cell(((27, 20),)), {}).scene_at((27, 20))
+    there = page.grid.task((27, 20), {}).scene_there()
     assert page.nearer(there, scene) == page.nearer(there, None) == "near"
     assert page.nearer(there, there) is None  # what is on screen is nearer
     assert page.nearer(there.changed(nodes=512), None) is None
@@ -86,9 +82,9 @@ def test_total_size_of_stored_skeletons_is_bounded(session, monkeypatch):
         session.change({"E": E})
         order(session, "page", page="regimes")
         page = session.pages.page
-        for task in [task for task in session.pool.tasks if task.call[0] is tasks.map_tile and not task.done()]:
-            task.set_result([(Point(i=i, j=j), bytes(1000)) for i, j in task.call[1].asked])
-        assert len(page.known) == 9
+        for task in [task for task in session.pool.tasks if task.call[0] is tasks.map_point and not task.done()]:
+            task.set_result((Point(i=task.call[1].i, j=task.call[1].j), bytes(1000)))
+        assert len(page.known) == AT_ONCE
     assert kept.currsize <= 10_000
 
 

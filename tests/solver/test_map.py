@@ -1,17 +1,18 @@
-"""Maps of first slips: every point once, from coarse to fine, what exact runs tell, and closed forms of flats."""
+"""Maps of first slips: every point once, from coarse to fine, against exact runs and closed forms of flats."""
 
 import csv
 import pickle
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 import pytest
 
 from solver import NotConverged, NotFollowed, Scene, SceneError, SlipEvent, load_path, summarize
+from solver.analysis import maps
 from solver.analysis.friction_laws import critical_modulus
-from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Tile, points_of
-from solver.analysis.maps import grid as grids
+from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Task, computed_point
+from solver.analysis.maps import task as map_task
+from solver.analysis.maps.grid import AROUND, RUNS
 from solver.analysis.maps.point import at_slip
 from solver.analysis.maps.run import computed
 from solver.cli import main
@@ -24,11 +25,11 @@ PRESS, RATIO = Axis("delta_bar", 0.1, 0.4, 5), Axis("phi_ratio", 0.5, 1.5, 3, lo
 
 
 def explored(grid, points=()):
-    """{(i, j): Point} of a Map, worked off here, but those given."""
+    """{(i, j): Point} of a Map, computed here, but those given."""
     known = {(point.i, point.j): (point, None) for point in points}
-    for level in range(grid.levels):
-        for tile in grid.tiles(level, known):
-            known |= {(point.i, point.j): (point, skeleton) for point, skeleton in points_of(tile)}
+    for place in grid.places():
+        if place not in known:
+            known[place] = computed_point(grid.task(place, known))
     return {place: point for place, (point, _) in known.items()}
 
 
@@ -43,22 +44,16 @@ def explored_grid(grid):
 
 
 @pytest.mark.parametrize("counts", [(2, 2), (41, 31), (7, 2), (33, 64), (5, 400)])
-def test_every_map_point_is_requested_once_and_lies_between_known_ones(counts):
+def test_every_map_point_is_listed_once_and_later_ones_have_near_neighbours(counts):
     grid, known = Map(SMALL, replace(PRESS, count=counts[0]), replace(RATIO, count=counts[1])), {}
-    for level in range(grid.levels):
-        asked_now = {}
-        for tile in grid.tiles(level, known):
-            there = {(point.i, point.j) for point, _ in tile.known}
-            assert {*tile.corners} <= there and (level == 0) == (not tile.corners)
-            for place in tile.asked:
-                assert place not in known and place not in asked_now
-                for k in range(2) if level else ():
-                    ends = [corner[k] for corner in tile.corners]
-                    assert min(ends) <= place[k] <= max(ends)
-                asked_now[place] = Point(i=place[0], j=place[1]), None
-        assert level or 4 <= len(asked_now) <= 16
-        known |= asked_now
-    assert len(known) == grid.size == counts[0] * counts[1]
+    places = grid.places()
+    assert len(places) == len({*places}) == grid.size == counts[0] * counts[1]
+    for place in places:
+        task = grid.task(place, known)
+        assert len(task.around) == (AROUND if len(known) >= RUNS else 0) and (task.i, task.j) == place
+        if len(known) > 0.8 * grid.size:
+            assert all(max(abs(point.i - place[0]), abs(point.j - place[1])) <= 2 for point in task.around)
+        known[place] = Point(i=place[0], j=place[1]), None
 
 
 def test_a_map_agrees_with_exact_runs(grid, explored_grid):
@@ -88,13 +83,24 @@ def test_table_of_a_map_holds_its_points_at_their_place(grid, explored_grid):
     assert np.isnan(grid.array([], "F_s")).all() and (grid.array([], "regime") == -1).all()
 
 
-def test_map_points_survive_as_text_and_tiles_as_bytes(grid, explored_grid):
+def test_a_plot_of_a_map_shows_the_quantity_and_the_regimes(grid, explored_grid):
+    layout = grid.plot(explored_grid.values(), "F_s")
+    numbers, regimes = layout
+    assert [dimension.name for dimension in numbers.kdims] == ["delta_bar", "phi_ratio"]
+    drawn = np.sort(numbers.dimension_values("F_s"))
+    assert drawn == pytest.approx(np.sort([point.F_s for point in explored_grid.values()]))
+    assert {*regimes.keys()} == {point.regime for point in explored_grid.values()}
+    with pytest.raises(ValueError, match="of = 'F'; allowed: U_s, F_s"):
+        grid.plot([], "F")
+
+
+def test_map_points_survive_as_text_and_tasks_as_bytes(grid, explored_grid):
     for point in [*explored_grid.values(), Point(reason="too soft")]:
         assert Point.from_row({name: str(value) for name, value in point.as_row().items()}) == point
-    coarse = {place: (explored_grid[place], None) for place in explored_grid if not (place[0] % 2 or place[1] % 2)}
-    tile = grid.tiles(1, coarse)[0]
-    read = pickle.loads(pickle.dumps(tile))
-    assert (read, hash(read), read.known) == (tile, hash(tile), tile.known)
+    known = {place: (point, None) for place, point in explored_grid.items() if place != (3, 3)}
+    task = grid.task((3, 3), known)
+    read = pickle.loads(pickle.dumps(task))
+    assert read == task == grid.task((3, 3), {}) and hash(read) == hash(task) and read.around == task.around
 
 
 def test_a_map_can_be_resumed_from_its_points(grid, explored_grid):
@@ -116,12 +122,13 @@ def neighbours():
 
 
 def between(neighbours):
-    axes = Axis("delta_bar", 0.1, 0.14, 3), replace(RATIO, low=1.0)
-    return Tile(SMALL, *axes, ((1, 0),), ((0, 0), (2, 0)), tuple(neighbours))
+    """The Outcome of the point between two neighbours, from the Skeleton of the first."""
+    values, around = (("delta_bar", 0.12), ("phi_ratio", 1.0)), tuple(point for point, _ in neighbours)
+    return computed_point(Task(SMALL, values, 1, 0, True, around, neighbours[0][1]))
 
 
 def test_a_map_point_among_equal_neighbours_is_followed(neighbours):
-    ((point, skeleton),) = points_of(between(neighbours))
+    point, skeleton = between(neighbours)
     exact, _ = computed(SMALL.changed(delta_bar=0.12))
     assert point.followed and skeleton is not None and point.kind == exact.kind
     assert point.U_s == pytest.approx(exact.U_s, abs=1e-4) and point.evaluations < 0.3 * exact.evaluations
@@ -130,30 +137,33 @@ def test_a_map_point_among_equal_neighbours_is_followed(neighbours):
 @pytest.mark.parametrize("changed", [{"sites": 2}, {"regime": "detaches"}, {"branches": 2}])
 def test_a_map_point_between_different_regimes_is_computed(neighbours, changed):
     first, (point, skeleton) = neighbours
-    ((found, _),) = points_of(between([first, (replace(point, **changed), skeleton)]))
-    assert not found.followed
+    assert not between([first, (replace(point, **changed), skeleton)])[0].followed
 
 
-@pytest.mark.parametrize("ways", [1, 2])
-def test_a_distant_map_point_is_followed_along_two_ways(neighbours, ways):
-    shifted = [(replace(p, U_s=p.U_s + 1.0), s if k < ways else None) for k, (p, s) in enumerate(neighbours)]
-    ((found, _),) = points_of(between(shifted))
-    assert found.followed == (ways == 2)
+def test_a_map_point_whose_slip_is_outside_the_range_of_its_neighbours_is_computed(neighbours):
+    shifted = [(replace(point, U_s=point.U_s + 1.0), skeleton) for point, skeleton in neighbours]
+    assert not between(shifted)[0].followed
 
 
 def test_a_map_point_that_cannot_be_followed_is_computed(neighbours, monkeypatch):
     def no(*_):
         raise NotFollowed("no")
 
-    monkeypatch.setattr(grids, "follow", no)
-    ((found, skeleton),) = points_of(between(neighbours))
+    monkeypatch.setattr(map_task, "follow", no)
+    found, skeleton = between(neighbours)
     assert not found.followed and found.U_s and skeleton is not None
 
 
-def test_a_tile_can_be_left_between_two_points(grid):
-    asked = tuple((i, 0) for i in range(5))
-    (first,) = islice(points_of(Tile(SMALL, grid.x, grid.y, asked)), 1)
-    assert (first[0].i, first[0].regime) == (0, "slips by one site")
+def broken(task):
+    return task.missing
+
+
+def test_a_hole_in_a_map_has_a_sentence_as_its_reason(monkeypatch):
+    monkeypatch.setattr("solver.analysis.maps.explore.computed_point", broken)
+    points = list(maps.explored(Map(SMALL, replace(PRESS, count=2), replace(RATIO, count=2)), workers=1))
+    assert len(points) == 4
+    for point in points:
+        assert point.reason.startswith("unexpected error AttributeError: ") and point.reason.count("\n") == 0
 
 
 def test_a_run_ends_just_beyond_its_first_slip():
@@ -206,7 +216,7 @@ def test_a_contact_that_shrinks_in_its_slip_reattaches_nothing():
 def test_an_impossible_map_point_has_a_reason(monkeypatch):
     monkeypatch.setitem(vars(OPTIONS), "budget", 5_000)  # steps of a motion that never comes to rest, of 250,000
     axis = Axis("height", 1.0, 100.0, 2)
-    ((point, _),) = points_of(Tile(SMALL.changed(E=0.05), axis, PRESS, ((1, 0),)))
+    point, _ = computed_point(Map(SMALL.changed(E=0.05), axis, PRESS).task((1, 0), {}))
     assert point.regime == "no result" and "tolerance" in point.reason
 
 
@@ -232,8 +242,8 @@ def test_flats_have_their_closed_form():
 
 def test_pull_off_is_mapped_from_retractions():
     scene = SMALL.changed(path="unload", du_z=0.5, delta_bar=0.1)
-    asked = tuple((0, j) for j in (0, 1))
-    found = [point for point, _ in points_of(Tile(scene, PRESS, Axis("phi_n", 1.0, 2.0, 2), asked))]
+    grid = Map(scene, PRESS, Axis("phi_n", 1.0, 2.0, 2))
+    found = [computed_point(grid.task((0, j), {}))[0] for j in (0, 1)]
     assert found[0].L_min > found[1].L_min == summarize(scene, list(load_path(scene)))["L_min"]  # less adhesion first
 
 

@@ -1,7 +1,7 @@
 """The page "Map of regimes": the first slip over two parameters, with named regimes. A click or a drag selects a scene.
 
-The map has tiles (solver/analysis/maps), from coarse to fine; a worker computes each in one call. The page requests a
-tile as soon as the points around it are known. All visitors share the results (requests.py).
+A worker computes each point (solver/analysis/maps) in one call, from coarse to fine. All visitors share the results
+(requests.py).
 """
 
 import pickle
@@ -20,11 +20,12 @@ from app.service import tasks
 from app.service.skeletons import skeletons
 from app.views.plots import blank, draw, draw_image
 from solver import SceneError
-from solver.analysis.maps import REGIMES, Axis, Map
+from solver.analysis.maps import REGIMES, Axis, Map, Point
 from solver.scene import PARAMETERS
 
 TITLE, ORDER, FIGURES = "Map of regimes", 6, ("map",)
 COLUMNS, ROWS = 33, 25
+AT_ONCE = 8  # points that a visitor waits for: enough for all workers; later ones start from more known points
 AXES = {  # axes to choose from: label, low, high, whether logarithmic, ticks
     "delta_bar": ("press depth δ/δ₀", -0.8, 1.0, False, (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
     "phi_ratio": ("friction / adhesion φₜ/φₙ", 0.01, 2.0, True, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)),
@@ -71,7 +72,7 @@ class Page(Sheet):
         super().__init__(*given)
         self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
         self.grid, self.known = None, {}  # {(i, j): (Point, Scene of its cached Skeleton or None)}
-        self.left = []  # (level, Cell) not requested yet
+        self.left = []  # (i, j) not requested yet, the next one last
         self.asking = False
 
     def scene_changed(self):
@@ -133,38 +134,31 @@ class Page(Sheet):
         self._ask_anew()
 
     def _ask_anew(self):
-        """Request all tiles with unknown points."""
-        grid = self.grid
-        cells = [(level, cell) for level in range(grid.levels) for cell in grid.cells(level)]
-        self.left = [one for one in cells if not self.known.keys() >= {*one[1].new}]
+        """Request all unknown points."""
+        self.left = [place for place in reversed(self.grid.places()) if place not in self.known]
         self._ask()
 
     def _ask(self):
-        """Request tiles with known surroundings, repeatedly, as cached ones arrive at once."""
+        """Request the next points. Each one starts from the points known by then; cached ones arrive at once."""
         self.asking = True
-        while ready := [one for one in self.left if self.known.keys() >= {*one[1].corners}]:
-            self.left = [one for one in self.left if one not in ready]
-            self.sweep.add([(tasks.map_tile, self._tile(level, cell)) for level, cell in ready])
+        while self.left and len(self.sweep.waiting) < AT_ONCE:
+            task = self.grid.task(self.left.pop(), self.known)
+            self.sweep.add([(tasks.map_point, replace(task, start=task.start and skeletons.get(task.start)))])
         self.asking = False
 
-    def _tile(self, level, cell):
-        """Return the Tile of a Cell, with the cached Skeletons around it."""
-        tile = self.grid.tile(level, cell, self.known)
-        return replace(tile, known=tuple((point, skeletons.get(key)) for point, key in tile.known))
-
     def take(self, call, result):
-        """Take the result of a tile."""
-        tile, known = call[1], result
+        """Take the result of a point."""
+        task = call[1]
         if isinstance(result, Exception):
-            known = self.grid.lost(tile, str(result))
-        for point, skeleton in known:
-            key = skeleton and tile.scene_at((point.i, point.j))
-            if skeleton:
-                skeletons.put(key, skeleton)
-            self.known[point.i, point.j] = point, key
+            result = Point(i=task.i, j=task.j, reason=getattr(result, "sentence", str(result))), None
+        point, skeleton = result
+        if skeleton:
+            skeletons.put(task.scene_there(), skeleton)
+        self.known[point.i, point.j] = point, skeleton and task.scene_there()
         if not self.asking:
             self._ask()
-            self._draw()
+            if len(self.known) % AT_ONCE == 0 or not self.sweep.waiting:
+                self._draw()
 
     # drawing
 

@@ -1,13 +1,15 @@
-"""The first slip over two parameters: each point is followed from its neighbours, or run where that is not safe.
+"""The first slip over two parameters: each point is followed from its nearest neighbour, or run where that is not safe.
 
 point    the regime of a scene and numbers of its first slip
 run      such a point from a run
-grid     axes, the map from coarse to fine, and its tiles
+task     one point, followed or run
+grid     axes, and the map from coarse to fine
 explore  all points of a map, computed in processes
 """
 
 from .explore import explored
-from .grid import Axis, Map, Tile, points_of, worked_off
+from .grid import Axis, Map
 from .point import COLUMNS, REGIMES, Point
+from .task import Outcome, Task, computed_point
 
-__all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Point", "Tile", "explored", "points_of", "worked_off"]
+__all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Outcome", "Point", "Task", "computed_point", "explored"]

@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Iterator
 
 from ...isolated import Lost, outcomes
-from .grid import Map, Outcome, Place, worked_off
+from .grid import Map, Place
 from .point import Point
+from .task import Outcome, Task, computed_point
 
 
 def explored(grid: Map, workers: int | str | None = None, points: Iterable[Point] = ()) -> Iterator[Point]:
@@ -19,12 +20,15 @@ def explored(grid: Map, workers: int | str | None = None, points: Iterable[Point
     Example: `grid = Map(Scene(), Axis("delta_bar", -0.2, 0.3, 6), Axis("nu", 0.0, 0.4, 5))`, then
     `grid.table(explored(grid))`
     """
-    reached: dict[Place, Outcome] = {(point.i, point.j): (point, None) for point in points}
-    levels = (grid.tiles(level, reached) for level in range(grid.levels))  # each is made once that before is complete
-    tiles = next(filter(None, levels), [])
-    for count, (k, result) in enumerate(outcomes(worked_off, tiles, workers), start=1):
-        for point, skeleton in grid.lost(tiles[k], result.reason) if isinstance(result, Lost) else result:
-            reached[point.i, point.j] = point, skeleton
-            yield point
-        if count == len(tiles):
-            tiles += next(filter(None, levels), [])
+    known: dict[Place, Outcome] = {(point.i, point.j): (point, None) for point in points}
+    asked: list[Place] = []
+
+    def tasks() -> Iterator[Task]:  # each is made when a process is free, and so knows the points before it
+        for place in [place for place in grid.places() if place not in known]:
+            asked.append(place)
+            yield grid.task(place, known)
+
+    for k, result in outcomes(computed_point, tasks(), workers):
+        i, j = asked[k]
+        known[i, j] = (Point(i=i, j=j, reason=result.sentence), None) if isinstance(result, Lost) else result
+        yield known[i, j][0]
