@@ -136,8 +136,12 @@ class Scene:
             object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
         if not isinstance(self.measured, Profile | None):
             raise SceneError("measured", self.measured, "allowed: a Profile or None", "use solver.read_profile")
-        if self.legs:  # the points set the depth of the approach
-            object.__setattr__(self, "delta_bar", POINTS.read("points", self.points)[1][1])
+        if self.legs:
+            depth = POINTS.read("points", self.points)[1][1]
+            if self.delta_bar not in (depth, Scene.delta_bar):
+                allowed = f"allowed with these points: {depth:g}, which they set"
+                raise SceneError("delta_bar", self.delta_bar, allowed, "leave it out, or change points")
+            object.__setattr__(self, "delta_bar", depth)
         for name, allowed, remedy in self._refusals():
             raise SceneError(name, getattr(self, name), allowed, remedy)
 
@@ -309,7 +313,9 @@ class Scene:
         return f"Scene({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def changed(self, **values: Any) -> "Scene":
-        """The same scene with other values."""
+        """The same scene with other values; points set delta_bar anew."""
+        if values.get("path", self.path) == "points":
+            values = {"delta_bar": Scene.delta_bar} | values
         return replace(self, **values)
 
     def differences(self, other: "Scene | None" = None) -> dict[str, Any]:

@@ -68,6 +68,8 @@ def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, no
         if name not in PARAMETERS:
             raise unknown_name(name, PARAMETERS)
         values[name] = number_from_text(name, text, notes) if name in LIMITS else text
+    if values.get("path") == "points":  # they set it; the caller prints that
+        values.pop("delta_bar", None)
     return Scene(**values)
 
 

@@ -165,6 +165,8 @@ def changed_scene(scene, entries, notes=None):
     try:
         if values.get("surface") == "measured" and scene.measured is None:
             raise SceneError("surface", "measured", "it needs a profile", "choose a file under profile")
+        if values.get("path", scene.path) == "points":  # they set it
+            values.pop("delta_bar", None)
         changed = scene.changed(**values)
         _refuse_large(changed, values)
         return changed, errors

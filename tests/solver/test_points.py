@@ -130,7 +130,7 @@ def test_the_pull_off_force_after_shear_is_that_of_an_explicit_gfmd():
 
 
 def test_the_points_set_the_depth_of_the_approach_and_the_extent_of_the_path():
-    scene = through("0,-1; 0,0.3; 3,0.5; -6,0.1", delta_bar=0.9)
+    scene = through("0,-1; 0,0.3; 3,0.5; -6,0.1")
     assert scene.delta_bar == 0.3 and scene.delta == scene.delta_0 * 0.3
     assert (scene.deepest, scene.farthest) == (5.0, 6.0)
     assert scene.changed(path="shear").delta_bar == 0.3
@@ -158,6 +158,15 @@ def test_a_sweep_refuses_a_parameter_that_the_points_set(values):
     (name,) = values
     with pytest.raises(SceneError, match=rf"{name} = \[.*\]: not used with path 'points', .*; sweep points instead"):
         sweep(through(SPELT["shear"]), **values)
+
+
+def test_another_depth_than_that_of_the_points_is_refused_and_changed_points_set_theirs():
+    with pytest.raises(SceneError, match=r"delta_bar = 0\.5: allowed with these points: 0\.2.*; leave it out"):
+        through("0,-1; 0,0.2; 8,0.2").changed(delta_bar=0.5)
+    scene = Scene(path="points", points="0,-1; 0,0.2; 8,0.2", delta_bar=0.2)
+    assert scene.changed(points="0,-1; 0,0.3; 8,0.3").delta_bar == 0.3
+    assert Scene(delta_bar=0.5).changed(path="points", points=scene.points).delta_bar == 0.2
+    assert scene.changed(path="shear").delta_bar == 0.2
 
 
 def test_the_command_line_reports_a_parameter_that_the_points_set(capsys):
