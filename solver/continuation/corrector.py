@@ -114,7 +114,7 @@ class Corrector:
         problem, r, direction = self.problem, self._r, self.problem.direction
         left = self.options.steps if self.sharp is None else self.options.sharp_steps
         self.worst = problem.residual(v, active, s, r)
-        while self.worst > problem.tolerance:
+        while not self.worst <= problem.tolerance:  # nan neither is nor becomes a solution
             if left == 0 or not isfinite(self.worst):
                 return None
             v_before, r_before = v.copy(), r.copy()

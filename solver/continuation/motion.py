@@ -16,7 +16,6 @@ Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRe
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import ceil, isfinite, log2, sqrt
 
 import numpy as np
@@ -43,7 +42,6 @@ class MotionOptions:
 
 OPTIONS = MotionOptions()
 ROUND_OFF = 1e-14  # of two eigenvalues, a difference that round-off makes
-TABLES = 16  # masses and steps that are kept, one per power of two of the stiffness: a slip takes fewer
 
 
 class Motion:
@@ -61,7 +59,7 @@ class Motion:
         self.load = load
         self._power: tuple | None = None
         self._mass, self._starts = None, True
-        self._tables = lru_cache(maxsize=TABLES)(self._of_stiffness)
+        self._tables: dict[tuple, tuple] = {}  # of powers of two of the stiffness: a slip takes fewer than 16
 
     def soften(self, stiffness, pace=1.0) -> None:
         """Adapt masses and steps to an interaction of that largest stiffness, GPa/nm; kinetic energy is kept.
@@ -71,7 +69,9 @@ class Motion:
         power = ceil(log2(max(stiffness, self.least * self.closed) / self.options.safe)), pace
         if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= self.options.idle:
             return  # frequent changes would add energy
-        mass, self._keep, self._push, self.step = self._tables(*power)
+        if power not in self._tables:
+            self._tables[power] = self._of_stiffness(*power)
+        mass, self._keep, self._push, self.step = self._tables[power]
         if self._power is not None:
             root_energy = _applied(of_blocks(self._mass, np.sqrt), self.change)
             self.change = _applied(of_blocks(mass, lambda m: m**-0.5), root_energy)

@@ -2,6 +2,7 @@
 
 from math import inf
 from types import SimpleNamespace
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -118,6 +119,24 @@ def test_slips_of_one_increment_are_each_located():
     done = stepper.increment(toy.at_rest(0.0, 0.0), fold + 4.5 * PERIOD)
     assert [slip.load for slip in done.slips] == pytest.approx(fold + PERIOD * np.arange(5), abs=1e-9)
     assert all(slip.located and slip.kind == "fold" for slip in done.slips)
+
+
+@pytest.mark.parametrize("chord", [None, np.ones(1)], ids=["load", "arc"])
+def test_a_residual_that_is_no_number_is_not_a_solution(chord):
+    """The interaction is not a number beyond v = 0.5; a solve that begins or comes there fails."""
+    toy = Toy(lambda v: np.where(v > 0.5, np.nan, 0.0), lambda v: np.zeros((1, 1)))
+    for start, load in ((0.6, 0.6), (0.4, 2.0)):
+        corrector = Corrector(toy)
+        assert corrector.solve(np.array([start]), ACTIVE, load, corrector.secants(), chord, 2.0) is None
+
+
+def test_a_motion_is_freed_without_the_garbage_collector():
+    toy = cubic()
+    motion = Motion(toy.motion(), toy.motion().start(np.zeros(1), ACTIVE, 0.0), 0.0, 1.0, 1.0)
+    motion.soften(1.0)
+    alive = ref(motion)
+    del motion
+    assert alive() is None
 
 
 def test_a_fold_is_located_from_a_state_without_history_just_before_it():
