@@ -18,11 +18,5 @@ def _blas() -> ThreadpoolController:
 @contextmanager
 def one_thread() -> Iterator[None]:
     """BLAS has one thread within this context and its former number afterwards; also a decorator."""
-    changed = [(library, count) for library in _blas().lib_controllers if (count := library.num_threads) != 1]
-    try:
-        for library, _ in changed:
-            library.set_num_threads(1)
+    with _blas().limit(limits=1):
         yield
-    finally:
-        for library, count in changed:
-            library.set_num_threads(count)

@@ -23,6 +23,7 @@ from ..mechanics.linearised import Linearised
 from ..run.frame import SlipEvent, forces_and_area, slips_in
 from ..run.load_steps import sideways
 from ..scene import LIMITS, Scene
+from ..schema import unknown_name
 from ..threads import one_thread
 from .outputs import explicit, gradients, over_own
 from .partial import Change, Pulled, States, continuous
@@ -103,10 +104,14 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
     Parameters: skeleton: as of `skeleton_of`; names: parameters, all `continuous` ones by default; branches: False for
     slips alone, which is far cheaper.
     Returns Sensitivities: of every slip up to u_x_max, and of every branch.
-    Raises NotFollowed where Newton's steps do not solve a state or a fold.
+    Raises NotFollowed where Newton's steps do not solve a state or a fold, SceneError for a name that is none of those.
 
     Example: `sensitivities(skeleton_of(Scene())).slips[0].by["phi_n"]`
     """
+    allowed = continuous(skeleton.scene)
+    for name in names or ():
+        if name not in allowed:
+            raise unknown_name(name, allowed)
     try:
         return _sensitivities(skeleton, _Differentiator(skeleton, names), branches)
     except NotSolved as failure:
@@ -184,8 +189,7 @@ class _Differentiator:
         self.scene, self.first = skeleton.scene, skeleton.first
         scene, held = self.scene, skeleton.held
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)
-        self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta))
-        self.problem.tolerance = FINE
+        self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta)).solved_to(FINE)
         loose = scene.changed(tolerance=LIMITS["tolerance"].high)  # without effect on Changes, but not on valid scenes
         self.changes = [Change.of(loose, name) for name in (continuous(scene) if names is None else names)]
         self.pressure_by = np.zeros(len(self.changes))
@@ -201,8 +205,8 @@ class _Differentiator:
         parts = self.parts([state])
         self.pressure_by = np.array([np.sum(dual * dT) + x @ rest for (dT,), (rest,) in parts])
         self.pressure_nodes = (dual * state.T).sum(axis=0)
-        self.problem = Equilibrium(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
-        self.problem.tolerance = FINE
+        held = Equilibrium(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
+        self.problem = held.solved_to(FINE)
 
     @property
     def held(self) -> bool:

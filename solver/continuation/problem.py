@@ -95,6 +95,12 @@ class Problem(Protocol):
         edge of the interaction, then a new set, in which nodes of `settled` (bool) do not change. May raise
         NotConverged."""
 
+    def undeformed(self, s) -> np.ndarray:
+        """The unknowns (size,) of a surface without interaction at load s, nm."""
+
+    def solved_to(self, tolerance: float) -> "Problem":
+        """The same problem with another tolerance, nm."""
+
     def preconditioner(self, v, active) -> Callable | None:
         """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
 

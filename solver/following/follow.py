@@ -1,6 +1,8 @@
 """The skeleton of a run, followed to other parameters of its scene."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -10,13 +12,13 @@ from ..continuation.trace import Branch
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import sideways, vertical
-from ..scene import LIMITS, Scene, SceneError
+from ..scene import CHOICES, LIMITS, Scene, SceneError
 from ..threads import one_thread
 from .moved import NotFollowed, Solver, TooNarrow, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
 
-SAME = ("surface", "path", "hold", "nodes", "waves", "seed", "measured")  # parameters that are not continuous
+SAME = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not continuous
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved where states or folds moved too far, to quarters
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
@@ -137,7 +139,15 @@ def _branches(contact, skeleton):
         start = new.end
     if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:
         raise NotFollowed("a slip lands before the first state of the branch that should follow it")
+    refuse_disorder([fold.load for fold in folds if fold], skeleton.home, period)
     return held, tuple(branches), solver.residual
+
+
+def refuse_disorder(loads: Sequence[float], home: int, period: float) -> None:
+    """Raises NotFollowed where slips at loads (nm) are not in their order, the next pass over `home` included."""
+    passed = [*loads, loads[home] + period] if period and home < len(loads) else loads
+    if any(after <= before for before, after in pairwise(passed)):
+        raise NotFollowed("slips come in another order, which following does not show", nearer=True)
 
 
 def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:

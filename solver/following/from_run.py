@@ -54,6 +54,9 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     Example: `skeleton_from(Scene(), advance(Scene(), budget=60.0)[1])`
     """
     _refuse_path(scene)
+    if not isinstance(checkpoint, Checkpoint):
+        remedy = "give the checkpoint that `advance` returns, or use skeleton_of(scene)"
+        raise TypeError(f"checkpoint = {type(checkpoint).__name__}; allowed: a Checkpoint; {remedy}")
     trace = checkpoint.state.trace if checkpoint.state else None
     if (
         trace is None

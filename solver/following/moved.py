@@ -49,8 +49,8 @@ class Solver:
 
     def __init__(self, problem: Problem, damping: float = 1.0, tolerance: float = TOLERANCE) -> None:
         """damping: of the motion, over critical; tolerance: of residuals, nm, unless the problem's is larger."""
-        problem.tolerance = max(tolerance, problem.tolerance)
-        self.problem, self.corrector, self.damping = problem, Corrector(problem), damping
+        self.problem = problem = problem.solved_to(max(tolerance, problem.tolerance))
+        self.corrector, self.damping = Corrector(problem), damping
         self.moving = int(np.count_nonzero(problem.direction))
         self.secants, self._begun, self.residual = self.corrector.secants(), False, 0.0
 

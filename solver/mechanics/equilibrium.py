@@ -7,6 +7,7 @@ and bears no other force, so the layer always carries p_0, the mean of T_z over 
 """
 
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 from numba import njit
@@ -42,6 +43,12 @@ class Equilibrium:
         self.direction = self._unknowns(along_x, 0.0 if self.held else along_z, 0.0)
         self.scale = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)  # nm/GPa
         self._motion = None
+
+    def solved_to(self, tolerance) -> "Equilibrium":
+        """The same problem with another tolerance, nm."""
+        other = copy(self)
+        other.tolerance, other._motion = tolerance, None
+        return other
 
     def _unknowns(self, x, z, height):
         """The unknowns (size,) of a patch whose nodes all move by (x, z) under a top at a height, nm."""

@@ -25,6 +25,9 @@ class Toy:
     def undeformed(self, s):
         return s * self.direction
 
+    def solved_to(self, tolerance):
+        return Toy(self.T, self.J, self.size, self.k, tolerance)
+
     def residual(self, v, active, s, out):
         self.evaluations += 1
         out[:] = s * self.direction + self.T(v) / self.k - v

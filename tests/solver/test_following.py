@@ -10,7 +10,7 @@ import toys
 from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
 from solver.continuation.state import End, OutOfTime
 from solver.continuation.trace import Branch
-from solver.following.follow import refuse_apart
+from solver.following.follow import refuse_apart, refuse_disorder
 from solver.following.moved import TOLERANCE, Solver, moved_branch, moved_folds
 from solver.mechanics.contact import Contact
 from solver.mechanics.equilibrium import Equilibrium
@@ -222,11 +222,30 @@ def test_without_a_fold_of_the_jump_surfaces_that_may_be_apart_are_refused(jumpi
         ({"surface": "wave"}, "surface"),
         ({"hold": "load"}, "hold"),
         ({"nodes": 255}, "nodes"),
+        ({"law": "xu-needleman"}, "law"),
     ],
 )
 def test_what_does_not_change_continuously_is_not_followed(skeleton, values, why):
     with pytest.raises(NotFollowed, match=why):
         follow(skeleton, SMALL.changed(**values))
+
+
+def test_slips_in_another_order_are_refused():
+    refuse_disorder([0.2, 2.2], 0, 2.4)
+    refuse_disorder([0.2], 0, 0.0)
+    for loads, home, period in (([2.2, 0.2], 0, 0.0), ([0.167, 2.186], 0, 1.94), ([0.2, 2.2], 0, 2.0)):
+        with pytest.raises(NotFollowed, match="another order"):
+            refuse_disorder(loads, home, period)
+
+
+def test_following_leaves_the_tolerance_of_a_problem_as_it_is():
+    problem = Equilibrium(Contact(SMALL, 0, SMALL.nodes), sideways(1.0, 0.0))
+    assert Solver(problem).problem.tolerance == TOLERANCE > problem.tolerance == SMALL.tolerance
+
+
+def test_frames_in_place_of_a_checkpoint_are_refused_with_a_remedy(run):
+    with pytest.raises(TypeError, match=r"checkpoint = list; allowed: a Checkpoint; .* use skeleton_of\(scene\)"):
+        skeleton_from(SMALL, run)
 
 
 def test_another_regime_is_not_followed(skeleton):

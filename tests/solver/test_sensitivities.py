@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver import NotFollowed, Profile, Scene, follow, load_path, simulate, skeleton_of
+from solver import NotFollowed, Profile, Scene, SceneError, follow, load_path, simulate, skeleton_of
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 from solver.presets import presets
@@ -119,6 +119,12 @@ def test_a_state_that_newton_does_not_solve_is_refused(skeleton):
     wrong = replace(skeleton, branches=(replace(branch, states=tuple(states)),))
     with pytest.raises(NotFollowed):
         sensitivities(wrong, ("E",))
+
+
+@pytest.mark.parametrize("name", ["foo", "surface", "tolerance"])
+def test_a_name_that_is_no_continuous_parameter_is_refused(skeleton, name):
+    with pytest.raises(SceneError, match=f"name = '{name}': allowed: .*phi_n"):
+        sensitivities(skeleton, (name,))
 
 
 def test_forces_over_E_depend_on_ratios_only(skeleton):
