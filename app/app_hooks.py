@@ -13,8 +13,8 @@ from tornado.ioloop import IOLoop, PeriodicCallback
 from app import routes, server_log
 from app.page import shared
 from app.service import metrics, worker
+from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
-from app.service.run_cache import fill, run_cache
 from app.service.stored import row
 from app.session.session import visitors
 from solver import Scene
@@ -35,7 +35,7 @@ def on_server_loaded(server_context):
     PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()
     server_log.log_addresses()
     Thread(target=_load, name="load", daemon=True).start()
-    fill(run_cache, pool, [preset.scene for preset in row().values()], IOLoop.current().add_callback)
+    IOLoop.current().spawn_callback(jobs.precompute, [preset.scene for preset in row().values()])
     gc.collect()
     gc.freeze()  # Panel collects garbage after every visit: objects from before the first visit are skipped
 

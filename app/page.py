@@ -20,6 +20,7 @@ from bokeh.server.views.static_handler import StaticHandler
 
 from app import pages, schema
 from app.assets import assets
+from app.document import frozen
 from app.glossary import forms
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.orders import Wire
@@ -62,7 +63,7 @@ def open_page():
     try:
         session = Session(doc, pages.Pages, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: session.close())
-        with doc.models.freeze():  # Bokeh then collects the models once
+        with frozen(doc):
             for model in _own(session.wire, session.pages.slots):
                 doc.add_root(model)
     except Exception:  # otherwise the visitor would wait forever
@@ -89,7 +90,7 @@ def _composed(files):
     doc, wire, figures, slots = Document(), Wire(), live_figures(), pages.places()
     (*_,) = _own(wire, slots)
     figures["punch"].tags = [wire]  # Bokeh synchronises only models that a root refers to
-    with doc.models.freeze():  # Bokeh then collects the models once
+    with frozen(doc):
         for name, model in (figures | slots).items():
             model.name = name
             doc.add_root(model)

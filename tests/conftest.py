@@ -195,12 +195,10 @@ def session():
     from visitor import NoPool
 
     from app.pages import Pages
-    from app.service.cache import Cache
-    from app.service.requests import shared_requests
+    from app.service.jobs import Jobs
     from app.session.session import Session
 
-    shared_requests.clear()  # as if no other test had asked for anything
-    visit = Session(Document(), Pages, {}, NoPool(), Cache(1e8))
+    visit = Session(Document(), Pages, {}, Jobs(NoPool()))
     visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
     for slot in visit.pages.slots.values():
         visit.doc.add_root(slot)

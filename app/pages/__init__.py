@@ -22,6 +22,7 @@ from pathlib import Path
 
 from bokeh.models import Column
 
+from app.document import frozen
 from app.service.requests import Requests
 from app.views.plots import view_of
 
@@ -108,7 +109,7 @@ class Pages:
         if page not in listed():
             return page == ""
         self.name, self.page = page, self.closed.pop(page, None) or self._made(page)
-        with self.session.doc.models.freeze():  # Bokeh then collects the models once
+        with frozen(self.session.doc):
             for slot, view in self.page.views.items():
                 self.slots[f"{page}_{slot}"].children = [view.figure]
         self.page.start()

@@ -8,7 +8,7 @@ from pathlib import Path
 from bokeh.layouts import gridplot
 from bokeh.palettes import RdBu
 
-from app.service.tasks import Part
+from app.service.jobs import Jobs
 from app.views.plots import view_of
 
 STYLE = Path(__file__).parents[1] / "static" / "style.css"
@@ -19,21 +19,19 @@ class Session:
     """The parts of a session that a Sheet needs. `submit` runs a call at once."""
 
     def __init__(self, scene):
-        self.scene, self.doc, self.pool = scene, self, self
+        self.scene, self.jobs = scene, Jobs(self)
 
-    def add_next_tick_callback(self, call):
-        """Call at once; see the document."""
+    def later(self, call):
+        """Call at once; see the session."""
         call()
 
     def submit(self, call, *arguments, **how):
         """Run a call and return its finished Future; see the pool."""
-        done, made = Future(), call(*arguments)
-        while isinstance(made, Part):
-            made = call(*arguments, made.state)
-        done.set_result(made)
+        done = Future()
+        done.set_result(call(*arguments))
         return done
 
-    def abandon(self, task):
+    def abandon(self, task, end=False):
         """Do nothing; see the pool."""
 
 

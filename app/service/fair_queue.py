@@ -1,7 +1,7 @@
 """Tasks for workers, and a queue that serves the owners of tasks in turn."""
 
 from collections import OrderedDict, deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from time import monotonic
 from typing import Any
@@ -25,7 +25,9 @@ class Task(Future):
     ) -> None:
         super().__init__()
         self.call, self.owner, self.rank, self.limit = call, owner, rank, limit
-        self.slot, self.abandoned = None, False
+        self.slot: Any = None
+        self.abandoned = False
+        self.hear: Callable[[Any], None] | None = None  # receives the items of a generator
         self.due = monotonic() + AGEING * rank  # s: of two waiting tasks, the one with the earlier time is first
 
 

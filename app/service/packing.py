@@ -41,13 +41,15 @@ class Frames:
     overlap: float = 0.0  # of the surfaces over delta_n, the largest
     safe_damping: float = 0.0  # the largest
     sensitive: bool = False  # whether a slip is, as of `solver.Frame`
+    ahead: int = 0  # frames left
+    failure: str = ""  # why the run ended early
     skeleton: Skeleton | None = None  # of a run that is done: a drag continues from it
 
-    def __add__(self, more):
+    def __add__(self, more: "Frames") -> "Frames":
         """These frames and those that follow."""
         counted = (getattr(self, name) + getattr(more, name) for name in ("blocks", "frames", "evaluations"))
         largest = (max(getattr(self, name), getattr(more, name)) for name in LARGEST)
-        return Frames(*counted, *largest, more.skeleton)
+        return Frames(*counted, *largest, more.ahead, more.failure, more.skeleton)
 
 
 def packed(scene, rows, done):

@@ -93,13 +93,14 @@ class Pool:
                 Thread(target=self._run_slot, args=(slot, number), name=f"slot {number}", daemon=True).start()
         atexit.register(self.close)
 
-    def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0):
+    def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0, hear=None):
         """Add a call to the queue and return its Task.
 
-        seconds: its expected duration, at most. Cancel a task while it waits; `abandon` it when it runs.
+        seconds: its expected duration, at most. hear(item) is called with each item if the call returns a generator.
         """
         self.start()
         task = Task((call, *arguments), owner, rank, seconds + self.patience)
+        task.hear = hear
         with self._lock:
             if self._closing.is_set() or self.status == "failing":
                 task.set_exception(Lost("closed", self.why or "the server is being stopped"))
@@ -108,13 +109,20 @@ class Pool:
                 self._dispatch()
         return task
 
-    def abandon(self, task):
-        """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once."""
+    def abandon(self, task, end=False):
+        """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once.
+
+        end: also end the worker that runs it, as the task takes long. Another worker takes its slot.
+        """
         if task.cancel():
             with self._lock:
                 self._queue.remove(task)
-        else:
-            task.abandoned = True
+            return
+        task.abandoned = True
+        with self._lock:
+            caller = task.slot.caller if end and task.slot and task.slot.task is task else None
+        if caller is not None:
+            caller.end()
 
     def position(self, task):
         """Number of tasks before this one; None if it does not wait."""
@@ -215,7 +223,7 @@ class Pool:
     def _run_task(self, slot):
         task = slot.task
         try:
-            result = slot.caller.call(*task.call, limit=task.limit)
+            result = slot.caller.call(*task.call, limit=task.limit, **({"hear": task.hear} if task.hear else {}))
         except Lost as lost:
             if lost.kind != "error":
                 raise

@@ -1,20 +1,18 @@
 """Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
 import pickle
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 import segno
 
 from app.service import packing, worker
-from app.service.packing import Frames
-from app.service.skeletons import pickled
-from solver import LIMITS, NotConverged, ProfileError, advance, load_path, read_profile
+from app.service.worker import Part
+from solver import LIMITS, NotConverged, ProfileError, advance, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
@@ -27,30 +25,11 @@ from solver.following.moved import NotFollowed
 from solver.run.film import through
 from solver.run.loadpath import Checkpoint, Run, deadline
 
+LONGEST_FILE = 60.0  # s of work on a file
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
 DRAWN = 400  # points of a drawn curve, about one per pixel
 DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
-
-
-@dataclass(frozen=True)
-class Part:
-    """An unfinished call: a further call with `state` after its arguments continues it.
-
-    made: a partial result. It is not sent to a worker again; the sum of all parts is the result.
-    """
-
-    state: Any
-    made: Any = None
-
-
-def whole_run(scene, state=None):
-    """Return the Frames of a scene, a Part, or the NotConverged that ended the run."""
-    piece = worker.compute(scene, state, SLICE)
-    if piece.failure:
-        return NotConverged(piece.failure)
-    frames = Frames() + piece
-    return frames if piece.done else Part(piece.state, frames)
 
 
 def flat_curve(scene, state=None):
@@ -131,9 +110,9 @@ def what_matters(scene):
 
 
 def map_point(task):
-    """Return (Point, its Skeleton as of `skeletons.pickled`, or None) of a maps.Task that starts from such bytes."""
+    """Return (Point, its pickled Skeleton or None) of a maps.Task that starts from such bytes."""
     point, skeleton = computed_point(replace(task, start=task.start and pickle.loads(task.start)))
-    return point, skeleton and pickled(skeleton)
+    return point, skeleton and pickle.dumps(skeleton)
 
 
 def layer_table(scene, depth, rows, modes):
@@ -220,22 +199,22 @@ def fitted(scene, measured, free):
 
 
 def file_of_run(scene, kind):
-    """Return the file that `python -m solver run` writes, bytes; it ends where the run did not converge.
+    """Return the file that `python -m solver run` writes, bytes, or None if the run takes longer than LONGEST_FILE.
 
-    kind: npz or json.
+    kind: npz or json. The file ends where the run did not converge.
     """
-    frames, failure, begun = [], None, perf_counter()
-    try:
-        for frame in load_path(scene):
-            frames.append(frame)
-    except NotConverged as error:
-        failure = str(error)
+    frames, checkpoint, begun = [], None, perf_counter()
+    while checkpoint is None or not checkpoint.done:
+        if perf_counter() > begun + LONGEST_FILE:
+            return None
+        more, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
+        frames += more
     with TemporaryDirectory() as folder:
         file = Path(folder, "run")
         if kind == "npz":
             write_npz(file, scene, frames)
         else:
-            write_json(file, report_of(scene, frames, "fast", perf_counter() - begun, failure))
+            write_json(file, report_of(scene, frames, "fast", perf_counter() - begun, checkpoint.failure))
         return file.read_bytes()
 
 

@@ -1,4 +1,4 @@
-"""Code of a worker process: computes a slice of the load path and packs it. It needs only NumPy and `solver`."""
+"""Code of a worker process: computes a part of the load path and packs it. It needs only NumPy and `solver`."""
 
 import os
 import pickle
@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from queue import SimpleQueue
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numba.core.dispatcher import Dispatcher
@@ -24,24 +25,23 @@ from solver.run.summary import widest
 
 NICENESS = 10  # low priority: the event loop goes before the computations
 QUICK, SLOW = 0.3, 10.0  # s of processor time per increment: of a run that must not delay others; of any run
-APPROACH = 3  # a slice may take 3 times its budget to reach the first frames of the shear
+BUDGET = 0.12  # s of work in a part: most runs end in the second, and a slow run visibly grows
+APPROACH = 3  # a part may take 3 times its budget to reach the first frames of the shear
 MODULES = [module for name, module in sys.modules.items() if name.startswith("solver.")]
 KERNELS = len({k for m in MODULES for k in vars(m).values() if isinstance(k, Dispatcher)})  # `warm_up` compiles them
 
 
 @dataclass(frozen=True)
-class Slice(Frames):
-    """The outcome of one task.
+class Part:
+    """An unfinished call: a further call with `state` after its arguments continues it.
 
-    ahead: number of frames left. state: pickled state from which the next slice continues, None when the run is done;
-    the server does not read it.
+    made: a partial result, which is not sent to a worker again; the sum of all parts is the result. heavy: whether the
+    next part may take so long that it must not delay others.
     """
 
-    ahead: int = 0
-    state: bytes | None = None
-    done: bool = False
-    failure: str | None = None
-    heavy: bool = False  # whether an increment takes longer than QUICK
+    state: Any
+    made: Any = None
+    heavy: bool = False
 
 
 def start():
@@ -90,35 +90,37 @@ def ready():
     """A task that does nothing."""
 
 
-def compute(scene, state, budget, limit=SLOW):
-    """Advance `scene` for about `budget` seconds, or longer if that ends in the approach, and pack the frames.
+def compute(
+    scene: Scene, state: bytes | None = None, budget: float | None = None, limit: float | None = None
+) -> Frames | Part:
+    """Return the Frames of a run that has ended, or a Part with the next ones.
 
-    state: of the previous Slice, or None; limit: s of processor time per increment. A longer one is left out; a further
-    call may repeat it with more time.
+    It works for about `budget` seconds (None: BUDGET), or longer if that ends in the approach. limit: s of processor
+    time per increment (None: QUICK, or SLOW if the Part before was heavy). A longer one is left out and heavy; the next
+    part repeats it with more time.
     """
-    begun = perf_counter()
-    checkpoint, last = pickle.loads(state) if state else (None, None)
+    begun, budget = perf_counter(), BUDGET if budget is None else budget
+    checkpoint, last, heavy = pickle.loads(state) if state else (None, None, False)
+    limit = limit if limit is not None else SLOW if heavy else QUICK
     frames, checkpoint = _advanced(scene, checkpoint, begun, budget, limit)
-    heavy = checkpoint.late or (limit == SLOW and _slow(begun, budget))
+    heavy = checkpoint.late or (limit >= SLOW and _slow(begun, budget))
     if checkpoint.late and limit < SLOW:
         checkpoint = in_time(checkpoint)
     works, last = _works(scene, frames, last)
-    return Slice(
+    made = Frames(
         blocks=packed(scene, list(zip(frames, works, strict=True)), checkpoint.done),
         frames=len(frames),
-        ahead=_ahead(scene, checkpoint),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
         widest=widest(frames),
         overlap=largest_overlap(frames),
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
-        state=None if checkpoint.done else pickle.dumps((checkpoint, last)),
-        done=checkpoint.done,
-        failure=checkpoint.failure,
-        heavy=heavy,
+        ahead=_ahead(scene, checkpoint),
+        failure=checkpoint.failure or "",
         skeleton=_skeleton(scene, checkpoint),
     )
+    return made if checkpoint.done else Part(pickle.dumps((checkpoint, last, heavy)), made, heavy)
 
 
 def _skeleton(scene, checkpoint):

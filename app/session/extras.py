@@ -3,9 +3,10 @@
 A film and the table of a layer belong to one visitor. All visitors share pinned runs and marks.
 """
 
+from functools import partial
+
 from app.service import marks, tasks, worker
 from app.service.packing import Frames
-from app.service.pool import LATER
 from app.service.requests import Requests
 from app.session import orders
 from app.session.controls import scene_from_address
@@ -28,7 +29,7 @@ class Film(Requests):
         shown = self.session.run
         if shown is not None and shown.number == run:
             call = (tasks.slow_motion, shown.scene, frame)
-            self.ask(call, lambda made: self._made(made, frame), rank=LATER, seconds=LONGEST_FILM)
+            self.ask(call, lambda made: self._made(made, frame), seconds=LONGEST_FILM, private=True)
 
     def _made(self, made, frame):
         if made is None or isinstance(made, str):
@@ -66,35 +67,32 @@ class Layer(Requests):
             self.session.send("layer", counts=counts, scale=scale, body=body, **head)
 
 
-class Pinned(Requests):
-    """The pinned runs of an address. Each is sent when complete."""
+class Pinned:
+    """The pinned runs of an address, one call per pin. Each is sent when complete."""
 
     def __init__(self, session):
-        super().__init__(session, self._made)
-        self.pins = {}  # {call: pins that show its run}
+        self.session = session
+        self.pins = {pin: Requests(session) for pin in range(1, MOST_PINNED + 1)}
 
     @order("pin", pin=orders.is_whole, values=orders.is_address)
     def request(self, pin, values):
         """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
-        if 0 < pin <= MOST_PINNED:
-            call = tasks.whole_run, scene_from_address({name: [text.encode()] for name, text in values.items()})[0]
-            self.pins.setdefault(call, []).append(pin)
-            run = self.session.run_cache.get(call[1])
-            if run is None:
-                self.add([call])
-            else:
-                self._made(call, run)
+        if pin in self.pins:
+            scene, *_ = scene_from_address({name: [text.encode()] for name, text in values.items()})
+            self.pins[pin].cancel()
+            self.pins[pin].add_one((worker.compute, scene), partial(self._made, pin))
 
-    def _made(self, call, run):
-        pins = self.pins.pop(call, ())
-        if isinstance(run, Frames):
-            self.session.run_cache.put(call[1], run)
-        for pin in pins:
-            if isinstance(run, Exception):
-                self.session.send("pinned failed", pin=pin, why=str(run))
-            else:
-                for block in run.blocks:
-                    self.session.send("pinned", pin=pin, body=block)
+    def _made(self, pin, run):
+        why = run.failure if isinstance(run, Frames) else str(run)
+        if why:
+            return self.session.send("pinned failed", pin=pin, why=why)
+        for block in run.blocks:
+            self.session.send("pinned", pin=pin, body=block)
+
+    def cancel(self):
+        """Cancel all calls."""
+        for requests in self.pins.values():
+            requests.cancel()
 
 
 class Marks(Requests):

@@ -1,12 +1,12 @@
-"""The computation for a visitor: idle, following a held slider, or computing the exact run. The newest RunRequest wins.
+"""The computation for a visitor, one coroutine: it follows a held slider, or computes the exact run. The newest wins.
 
 A drag, from the slider to the screen:
 
 1. `steer.js` sends the newest position after the server has answered the previous one: an order "scene" with `held`.
 2. `Session.change` reads the order and hands the scene to `Pursuit.request`.
-3. `Pursuit` submits one call to the workers. A newer request waits until the call ends; those in between are dropped.
+3. `Pursuit` starts one job. A newer request waits until the job ends; those in between are dropped.
 4. A worker continues the run on screen to the new parameters and packs the picture (service/following.py).
-5. `Pursuit` sends the picture and starts the newest request. The number of the picture acknowledges the order.
+5. `Pursuit` sends the picture, whose number acknowledges the order, and takes the newest request.
 6. `player.js` unpacks the picture and draws it.
 
 When the visitor releases the slider, the exact run replaces the last picture, and a worker compares the two. If
@@ -15,24 +15,28 @@ following is impossible, the exact run starts at once.
 
 import logging
 import time
-from concurrent.futures import CancelledError
 from functools import partial
 from math import isfinite
+from typing import Any
 
 from app.limits import increments_of
-from app.service import metrics
+from app.service import metrics, worker
 from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
-from app.service.pool import LATER, SCREEN
+from app.service.jobs import Job
+from app.service.packing import Frames
+from app.service.pool import EXACT, SCREEN
 from app.service.requests import Requests
 from app.session.orders import order
-from app.session.run import ERROR, Run
+from app.session.run import ERROR, Request, Run
+from app.session.stepped import Stepped, news
+from solver import Scene
 from solver.cautions import cautions
+from solver.following.skeleton import Skeleton
 
 log = logging.getLogger("app")
-FIRST = 0.025  # s of work in the first slice: the approach and the first shear, so that the page shows it soon
-BUDGET = 0.12  # s of work in any other slice: most runs end in the second, and a slow run visibly grows
+FIRST = 0.025  # s of work in the first part: the approach and the first shear, so that the page shows it soon
 SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
-PATIENCE = 0.5  # s that a newer request waits for a slice: its budget plus the longest increment of most runs
+PATIENCE = 0.5  # s that a newer request waits for a part: its budget plus the longest increment of most runs
 WAITS = 1.0  # s in the queue before a visitor sees the position
 OFF = "What was shown while the slider moved"  # a note begins with it
 
@@ -40,234 +44,239 @@ OFF = "What was shown while the slider moved"  # a note begins with it
 class Pursuit:
     """The computation for one visitor. Every method runs under the lock of the document.
 
-    `task` is the one call in flight: a picture, or a slice of the exact run. The browser has the frames; the server
-    keeps them during a run, and then in the cache for all visitors.
+    `job` is the one in progress: of a picture, or of the exact run. The browser has the frames; the server keeps them
+    during a run, and then in the cache for all visitors.
     """
 
-    def __init__(self, session):
+    def __init__(self, session: Any) -> None:
         self.session = session
-        self.run = None  # the last one
-        self.requested = None  # the newest RunRequest, while `task` is in flight
-        self.task, self.since, self.budget = None, 0.0, 0.0  # since: s, monotonic; budget: s of work in a slice
+        self.run: Run | None = None  # the last one
+        self.requested: Request | None = None  # the newest, until the coroutine takes it
+        self.overdue = False  # whether it has waited for PATIENCE
         self.held = False  # whether a slider is held
-        self.skeleton = self.shown = None  # start of predictions; the Scene of the picture on screen, or None
-        self.cautions = []  # warnings about the last finished run
+        self.skeleton: Skeleton | None = None  # start of predictions
+        self.shown: Scene | None = None  # of the picture on screen, if there is one
+        self.cautions: list[str] = []  # warnings about the last finished run
+        self.job: Job | None = None
+        self.since = 0.0  # s, monotonic: when the job began to wait for a worker
         self.comparison = Requests(session)
+        self.wake = Stepped(self._pursue(), session.later)
+        self.wake.step()
 
     @property
-    def state(self):
+    def state(self) -> str:
         """'idle', 'following' or 'exact'."""
-        return "idle" if self.task is None else "following" if self.task.call[0] is followed else "exact"
+        return "idle" if self.job is None else "following" if self.job.call[0] is followed else "exact"
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         """The Scene of the last requested run."""
         return (self.requested or self.run or self.session).scene
 
     @property
-    def position(self):
+    def position(self) -> int | None:
         """Number of tasks before this visitor's in the queue; None: none, or a wait shorter than WAITS."""
-        waits = self.task is not None and time.monotonic() - self.since > WAITS
-        return (self.session.pool.position(self.task) or None) if waits else None
+        waits = self.job is not None and self.job.task is not None and time.monotonic() - self.since > WAITS
+        return (self.session.jobs.pool.position(self.job.task) or None) if waits else None  # type: ignore[union-attr]
 
-    def close(self):
+    def close(self) -> None:
         """Cancel every call."""
-        self.abandon()
+        self.wake.close()
         self.comparison.cancel()
         self.run = self.requested = None
 
-    # requests of the visitor
+    # orders of the visitor
 
-    def request(self, request):
-        """Show the run of a RunRequest, at once or after the call in flight."""
+    def request(self, request: Request) -> None:
+        """Show the run of a Request, at once or after the job in progress."""
         self.session.pages.scene_changed()
-        self.requested, self.held = request, request.held
-        state = self.state
-        if (state == "following" and not request.held) or (state == "exact" and (self.run.refines or self._queued())):
-            self.abandon()
-        if self.task is None:
-            self._start_newest()
-        elif state == "exact":
-            self.session.doc.add_timeout_callback(partial(self._time_out, self.task), round(1000 * PATIENCE))
-            self.session.publish()  # acknowledges the order: the browser then sends the newest position
+        self.requested, self.held, self.overdue = request, request.held, False
+        self.wake.step()
+        if self.requested is request and self.state == "exact":
+            self.session.doc.add_timeout_callback(partial(self._time_out, request), round(1000 * PATIENCE))
+
+    def _time_out(self, request: Request) -> None:
+        """Let a request wait no longer."""
+        if self.requested is request and not self.session.closed:
+            self.overdue = True
+            self.wake.step()
 
     @order("release")
-    def release(self):
+    def release(self) -> None:
         """Compute the exact run of the picture on screen: the visitor released the slider."""
         self.held = False
-        if self.task is None and self.shown is not None:
-            self._begin(self.shown, refines=True)
+        self.wake.step()
 
     @order("pause")
-    def pause(self):
-        """Submit no further slice until `resume`."""
-        if self.run and self.run.state in ("running", "warming") and not self.run.refines:
+    def pause(self) -> None:
+        """Compute no further part until `resume`."""
+        if self.job and self.run and self.run.state in ("running", "warming") and not self.run.refines:
             self.run.pause(time.monotonic())
-            self.session.publish()
+            self.session.jobs.pause(self.job, self.wake.ring)
 
     @order("resume")
-    def resume(self):
+    def resume(self) -> None:
         """Continue a paused run."""
-        if self.run and self.run.state == "paused":
+        if self.job and self.run and self.run.state == "paused":
             self.run.resume(time.monotonic())
-            self._slice(BUDGET)
-            self.session.publish()
+            self.session.jobs.resume(self.job, self.wake.ring)
 
     @order("step")
-    def step(self):
+    def step(self) -> None:
         """Compute one further increment of a paused run."""
-        if self.run and self.run.state == "paused":
-            self._slice(0.0)
+        if self.job and self.run and self.run.state == "paused":
+            self.session.jobs.step(self.job, 0.0)
 
     @order("skip")
-    def skip(self):
+    def skip(self) -> None:
         """End the run and keep its frames."""
         if self.run and self.run.state == "running":
-            self.abandon()
             self.run.state = "skipped"
-            self._end()
-            if self.requested is not None:
-                return self._start_newest()
-            self.session.publish()
+            self.wake.step()
 
-    # one call in flight
+    # the coroutine
 
-    def abandon(self):
-        """Abandon the call in flight: another worker takes the next one."""
-        task, self.task = self.task, None
-        if task is not None:
-            self.session.pool.abandon(task)
+    async def _pursue(self) -> None:
+        """Show the newest request until the visitor leaves: by a prediction if a slider is held, else by its run."""
+        while True:
+            request = await self._newest()
+            try:
+                if not (request.held and await self._follow(request)):
+                    await self._compute(self._take() or request)
+            except Exception:
+                self.fail_unexpectedly()
 
-    def _queued(self):
-        """Whether the call in flight waits for a worker."""
-        return not self.task.running() and not self.task.done()
+    async def _newest(self) -> Request:
+        """Return the newest request; for a picture on screen, after the slider was released, its exact run."""
+        while True:
+            if request := self._take():
+                return request
+            if self.shown is not None and not self.held:
+                return Request(self.shown, refines=True)
+            await news()
 
-    def _submit(self, call, take, **how):
-        self.task, self.since = self.session.pool.submit(*call, owner=id(self.session), **how), time.monotonic()
-        schedule = self.session.doc.add_next_tick_callback  # under the lock of the document
-        self.task.add_done_callback(lambda task: self.session.closed or schedule(lambda: self._done(task, take)))
-
-    def _done(self, task, take):
-        """Pass the result of the call in flight, or its error, to `take`."""
-        if self.session.closed or task is not self.task:
-            return
-        self.task = None
-        try:
-            take(CancelledError() if task.cancelled() else task.exception() or task.result())
-        except Exception:
-            self.fail_unexpectedly()
-
-    def _time_out(self, task):
-        """Abandon this call if a newer request waits for it."""
-        if self.requested is not None and task is self.task:
-            self.abandon()
-            self._start_newest()
-
-    def _start_newest(self):
-        """Start the newest request. A held slider follows the nearest Skeleton: of the open page, or of the run."""
+    def _take(self) -> Request | None:
         request, self.requested = self.requested, None
-        skeleton = None
-        if request.held:
-            origin = (self.shown or self.run.scene) if self.skeleton else None
-            page = self.session.pages.page
-            skeleton = (page and page.nearer(request.scene, origin)) or self.skeleton
-        if skeleton is None:
-            return self._begin(request.scene)
-        if self.run and self.run.state == "running":
-            self.run.state = "skipped"
-        self.session.marks.cancel()  # until the next run has ended
-        call = (followed, skeleton, request.scene, request.at)
-        self._submit(call, partial(self._show_picture, request=request), rank=SCREEN)
+        return request
+
+    def _start(self, *call: Any, **how: Any) -> Job:
+        self.since = time.monotonic()
+        self.job = self.session.jobs.start(call, self.wake.ring, owner=id(self.session), **how)
+        return self.job
+
+    def _leave(self) -> None:
+        job, self.job = self.job, None
+        if job is not None:
+            self.session.jobs.leave(job, self.wake.ring)
 
     # following
 
-    def _show_picture(self, made, request):
-        """Send the picture and start the next request; without a picture, start the exact run."""
-        if not isinstance(made, Followed):
-            metrics.not_followed.labels(made if isinstance(made, str) else "the worker was lost").inc()
-            self.shown, request = None, self.requested or request
-            return self._begin(request.scene)
+    async def _follow(self, request: Request) -> bool:
+        """Show the predicted run of a request; return False if it must be computed."""
+        skeleton = self._nearest(request.scene)
+        if skeleton is None:
+            return False
+        if self.run and not self.run.ended:
+            self.run.state = "skipped"
+        self.session.marks.cancel()  # until the next run has ended
+        try:
+            job = self._start(followed, skeleton, request.scene, request.at, rank=SCREEN, private=True)
+            while not job.done and (self.requested is None or self.requested.held):
+                await news()
+        finally:
+            self._leave()
+        if not job.done:  # another scene was chosen
+            return True
+        if not isinstance(job.result, Followed):
+            metrics.not_followed.labels(job.result if isinstance(job.result, str) else "the worker was lost").inc()
+            self.shown = None
+            return False
         metrics.count("followed")
-        self.skeleton, self.shown = made.skeleton, request.scene
-        self.session.send("picture", acknowledged=request.number, **made.picture)
-        if self.requested is not None:
-            self._start_newest()
-        elif not self.held:
-            self.release()
+        self.skeleton, self.shown = job.result.skeleton, request.scene
+        self.session.send("picture", acknowledged=request.number, **job.result.picture)
+        return True
+
+    def _nearest(self, scene: Scene) -> Skeleton | None:
+        """Return the Skeleton nearest to a scene: of the open page, or of the run; None: nothing can be followed."""
+        origin = (self.shown or (self.run and self.run.scene)) if self.skeleton else None
+        page = self.session.pages.page
+        return (page and page.nearer(scene, origin)) or self.skeleton
 
     # the exact run
 
-    def _begin(self, scene, refines=False):
-        """Start the run of a scene. refines: the run replaces a picture."""
-        self.abandon()
-        self.requested = None
-        if not self.held and not refines:
+    async def _compute(self, request: Request) -> None:
+        """Show the run of a request, part by part, until it ends or a newer request replaces it."""
+        run = self._begin(request)
+        try:
+            rank, begin = (EXACT, ()) if run.refines else (SCREEN, (None, FIRST))
+            seconds = worker.APPROACH * worker.BUDGET
+            job = self._start(worker.compute, run.scene, rank=rank, seconds=seconds, begin=begin)
+            run.known = job.done
+            metrics.count("run_cache_hits" if run.known else "run_cache_misses")
+            came = self._show(run, job)
+            while not run.ended and not self._is_replaced(run, job, came):
+                self.session.publish()
+                await news()
+                came = self._show(run, job)
+        finally:
+            self._leave()
+        if run.ended:
+            self._end(run, job.result)
+            self.session.publish()
+
+    def _begin(self, request: Request) -> Run:
+        """Return a new Run; whether it can be followed is not known before its end."""
+        if not self.held and not request.refines:
             self.skeleton = self.shown = None
-        if self.run:
-            self.run.leave()
         number = self.run.number + 1 if self.run else 1
-        state = "warming" if self.session.pool.status != "ready" else "running"
-        self.run = run = Run(number, scene, increments_of(scene), state, time.monotonic(), refines=refines)
-        cached = self.session.run_cache.get(scene)
-        metrics.count("run_cache_misses" if cached is None else "run_cache_hits")
-        if cached is None:
-            self._slice(BUDGET if refines else FIRST)
-        else:
-            run.take_over(cached)
-            self._send(cached.blocks)
-            self._ended(cached)
-        self.session.publish()
+        state = "warming" if self.session.jobs.pool.status != "ready" else "running"
+        total = increments_of(request.scene)
+        self.run = Run(number, request.scene, total, state, time.monotonic(), refines=request.refines)
+        return self.run
 
-    def _slice(self, budget):
-        """Submit the next slice of the run; budget: s of work."""
-        if self.task is None:
-            self.budget = budget
-            call, how = self.run.slice(budget)
-            self._submit(call, self._show_slice, **how)
+    def _show(self, run: Run, job: Job) -> bool:
+        """Send the parts of a run that have come; return whether there were any."""
+        done, parts = job.done, job.parts[run.parts :]
+        if job.lost > run.lost:
+            run.lost = job.lost
+            self.session.notes = ["A worker process ended unexpectedly. Another worker repeats its part of the run."]
+        for part in parts:
+            self.since = time.monotonic()
+            run.add(part, self.since)
+            if done and run.parts == len(job.parts):
+                run.end(job.result)
+            for block in part.blocks:
+                self.session.send("run", run=run.number, state=run.shown_state, frames=run.frames, body=block)
+        if done and not run.ended:
+            run.end(job.result)
+        if run.state == "paused" and parts and not sum(part.frames for part in parts):
+            self.session.jobs.step(job, 0.0)  # the single increment took too long: repeat it with a longer limit
+        return bool(parts)
 
-    def _show_slice(self, piece):
-        """Send a slice, then submit the next one or start a newer request."""
-        if isinstance(piece, Exception):
-            return self._lost(piece)
-        run, before = self.run, self.run.frames
-        metrics.count("slices")
-        metrics.count("evaluations", piece.evaluations)
-        run.add(piece, time.monotonic())
-        self._send(piece.blocks)
-        if piece.done:
-            self._end()
-        if self._is_replaced():
-            return self._start_newest()
-        if run.state == "running":
-            self._slice(BUDGET)
-        elif run.state == "paused" and self.budget == 0.0 and run.frames == before:
-            self._slice(0.0)  # the single increment took too long: repeat it with a longer limit
-        self.session.publish()
+    def _is_replaced(self, run: Run, job: Job, came: bool) -> bool:
+        """Whether a newer request ends the run now; came: whether a part has come since.
 
-    def _is_replaced(self):
-        """Whether a newer request ends the run now; not during a drag if the run ends soon by itself."""
-        ends = self.held and self.run.state == "running" and self.run.ends_within(SOON)
-        return self.requested is not None and not ends
+        A run that starts is ended after its part, and during a drag not at all if it ends soon by itself.
+        """
+        if self.requested is None:
+            return False
+        waits = job.task is not None and not job.task.running() and not job.task.done()
+        if run.refines or waits or self.overdue or run.state == "paused":
+            return True
+        return came and not (self.held and not job.heavy and run.ends_within(SOON))
 
-    def _end(self):
-        """End the run; all visitors may use a complete one."""
-        run = self.run
-        if run.state == "finished":
-            self.session.run_cache.put(run.scene, run.packed)
-        self._ended(run.packed)
-        run.leave()
-
-    def _ended(self, whole):
+    def _end(self, run: Run, result: Any) -> None:
         """After a run: compare it with the last picture, follow from it, and search the marks of the sliders."""
-        run = self.run
+        whole = run.packed
+        skeleton = result.skeleton if run.state == "finished" and isinstance(result, Frames) else None
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
-        if run.state == "finished" and self.shown == run.scene:
-            call = (compared, self.skeleton, whole.blocks)
-            self.comparison.ask(call, partial(self._compared, run.scene), rank=LATER)
-        self.session.marks.seek(run.scene, whole.skeleton)
-        self.skeleton, self.shown = whole.skeleton, None
+        if skeleton is not None and self.shown == run.scene:
+            take = partial(self._compared, run.scene)
+            self.comparison.ask((compared, self.skeleton, skeleton), take, private=True)
+        self.session.marks.seek(run.scene, skeleton)
+        self.skeleton, self.shown = skeleton, None
 
-    def _compared(self, scene, off):
+    def _compared(self, scene: Scene, off: tuple[float, float] | None) -> None:
         """Count how the last picture of a scene agreed with its run, and show a note if it did not."""
         if off is None:
             return
@@ -282,33 +291,11 @@ class Pursuit:
                 self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
                 self.session.publish()
 
-    def _send(self, blocks):
-        """Send packed frames of the run."""
-        for block in blocks:
-            self.session.send("run", run=self.run.number, body=block)
-
-    # failures
-
-    def _lost(self, lost):
-        """Submit a lost slice again, unless that is useless."""
-        if why := self.run.lose(lost):
-            return self._fail(why)
-        self.session.notes = ["A worker process ended unexpectedly. Another worker repeats its slice."]
-        if self._is_replaced():
-            return self._start_newest()
-        self._slice(self.budget)
-        self.session.publish()
-
-    def _fail(self, why):
-        """End the run as failed, with its frames so far."""
-        if self.requested is not None:
-            return self._start_newest()
-        if self.run:
-            self.run.state, self.run.why = "failed", why
-        self.session.publish()
-
-    def fail_unexpectedly(self):
+    def fail_unexpectedly(self) -> None:
         """Log the traceback of a programming error, and show the visitor a message."""
         log.exception("a visitor's run failed")
-        self.requested = None
-        self._fail(ERROR)
+        self.requested = self.shown = None
+        if self.run:
+            self.run.state, self.run.why = "failed", ERROR
+        self.session.publish()
+        self.wake.ring()

@@ -1,20 +1,19 @@
 """The session of a visitor: runs the orders of the browser, and publishes the status of the run."""
 
 import logging
+from collections.abc import Callable
 
-from bokeh.document.events import MessageSentEvent
-
+from app import document
 from app.service import metrics, tasks
-from app.service.pool import LATER
-from app.service.pool import pool as shared_pool
+from app.service.jobs import Jobs
+from app.service.jobs import jobs as shared_jobs
 from app.service.requests import Requests
-from app.service.run_cache import run_cache as shared_run_cache
 from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.extras import Film, Layer, Marks, Pinned
 from app.session.orders import Wire, order, orders_of
 from app.session.pursuit import Pursuit
-from app.session.run import RunRequest
+from app.session.run import Request
 from app.session.share import Share
 from solver import SceneError
 
@@ -25,12 +24,12 @@ visitors = set()  # sessions of this process; Panel's own count is late
 class Session:
     """The session of one visitor. Every method runs under the lock of the visitor's document."""
 
-    def __init__(self, doc, pages, arguments=None, pool=shared_pool, run_cache=shared_run_cache):
+    def __init__(self, doc, pages, arguments=None, jobs: Jobs = shared_jobs):
         """pages(session) makes the pages beside the experiment."""
-        self.doc, self.pool, self.run_cache = doc, pool, run_cache
+        self.doc, self.jobs = doc, jobs
         self.wire = Wire()
         self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
-        self.errors = {}
+        self.errors, self.closed = {}, False
         self.pursuit = Pursuit(self)
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
@@ -38,7 +37,6 @@ class Session:
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
         self.reading = Requests(self)  # reads an uploaded profile
-        self.closed = False
         self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer, self.pinned)
         visitors.add(self)
         metrics.count("visits")
@@ -50,19 +48,20 @@ class Session:
             self.closed = True
             self.pursuit.close()
             self.pages.close()
-            parts = (self.reading, self.share, self.share.code, self.film, self.layer)
-            for requests in (*parts, self.pinned, self.marks):
-                requests.cancel()
+            for part in (self.reading, self.share, self.share.code, self.film, self.layer, self.pinned, self.marks):
+                part.cancel()
             visitors.discard(self)
-            log.info("visitor left, now %d, slices in flight %d", len(visitors), self.pool.in_flight)
+            log.info("visitor left, now %d, slices in flight %d", len(visitors), self.jobs.pool.in_flight)
 
     def send(self, kind, **content):
-        """Send a message to the browser, whose values are those of JSON, or bytes.
-
-        Bokeh 3.9 documents the event, but not that the document's callbacks send it.
-        """
+        """Send a message to the browser, whose values are those of JSON, or bytes."""
         if not self.closed:
-            self.doc.callbacks.trigger_on_change(MessageSentEvent(self.doc, "message", {"kind": kind} | content))
+            document.send(self.doc, kind, content)
+
+    def later(self, call: Callable[[], object]) -> None:
+        """Make a call under the lock of the document, unless the visitor has left; any thread may call this."""
+        if not self.closed:
+            document.later(self.doc, lambda: None if self.closed else call())
 
     # orders from the browser
 
@@ -89,7 +88,7 @@ class Session:
     @order("hello")
     def hello(self):
         """Start the first run: the page is ready."""
-        self.pursuit.request(RunRequest(self.scene))
+        self.pursuit.request(Request(self.scene))
 
     @order("scene", values=orders.are_entries, held=orders.is_flag, at=orders.is_number)
     def change(self, values, held=False, at=0.0):
@@ -103,13 +102,13 @@ class Session:
             self.publish()
         else:
             self.scene = scene
-            self.pursuit.request(RunRequest(scene, held, at, self.acknowledged))
+            self.pursuit.request(Request(scene, held, at, self.acknowledged))
 
     @order("file", entry=orders.FILES.__contains__, text=orders.is_content)
     def read_file(self, entry, text):
         """Read a CSV: a profile, whose surface is then on screen, or a measured curve for the open page."""
         if entry == "profile":
-            self.reading.ask((tasks.measured, text), self._read, rank=LATER)
+            self.reading.ask((tasks.measured, text), self._read, private=True)
         else:
             self.pages.order(text=text)
 
@@ -124,7 +123,7 @@ class Session:
             self.errors = {"profile": f"profile: {why}.{controls.STAYS}"}
             return self.publish()
         self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
-        self.pursuit.request(RunRequest(scene))
+        self.pursuit.request(Request(scene))
 
     @order("restore", values=orders.is_address)
     def restore(self, values):
@@ -136,7 +135,7 @@ class Session:
         """Show another scene, based on `preset`, with notes on how it was read."""
         self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
-        self.pursuit.request(RunRequest(scene))
+        self.pursuit.request(Request(scene))
 
     @order("page", page=orders.is_text)
     def open_page(self, page):
@@ -160,12 +159,15 @@ class Session:
         return self.pursuit.run
 
     def look(self):
-        """Publish the position in the queue and the number of compiled kernels; a timer calls this, in any thread."""
-        if not self.closed and self.pursuit.state == "exact":
-            self.doc.add_next_tick_callback(lambda: self.closed or self.publish())
+        """Publish the position in the queue and the number of compiled kernels; a timer calls this every second.
+
+        It also answers an order whose picture waits in the queue.
+        """
+        if not self.closed and self.pursuit.state != "idle":
+            self.later(self.publish)
 
     def publish(self):
-        """Send status, values, notes and errors to the browser, if any has changed."""
+        """Send what has changed of status, values, notes and errors to the browser."""
         run, position = self.run, self.pursuit.position
         if run is None:
             return
@@ -173,10 +175,10 @@ class Session:
         own = {"values": controls.values_of(self.scene), "acknowledged": self.acknowledged, "errors": self.errors}
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
         own |= {"marks": self.marks.values}
-        if run.state == "warming":
-            own["compiled"] = min(self.pool.compiled, KERNELS), KERNELS
+        own |= {"compiled": (min(self.jobs.pool.compiled, KERNELS), KERNELS) if run.state == "warming" else None}
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
         status = run.status() | own
-        if status != self.status:
+        news = {name: value for name, value in status.items() if name not in self.status or self.status[name] != value}
+        if news:
             self.status = status
-            self.send("status", **status)
+            self.send("status", **news)

@@ -3,15 +3,13 @@
 from functools import partial
 from math import inf
 
-from app.service import tasks
-from app.service.pool import LATER
+from app.service import tasks, worker
 from app.service.requests import Requests
 from app.session import orders
 from app.session.orders import order
 from solver import Scene
 
 SCANNED = 1200  # characters of a link; with more, a QR code is too fine for a phone at the back of a classroom
-LONG = 60.0  # s, time limit for a file
 LARGEST = 20e6  # bytes of a file
 LARGE = "it would be larger than 20 MB: use python -m solver run"
 SLOW = "it takes too long here: use python -m solver run"
@@ -23,6 +21,7 @@ class Share(Requests):
     def __init__(self, session):
         super().__init__(session)
         self.code = Requests(session)
+        self.wanted = {}  # {kind: Scene} of files; the first is being written, the other one waits
 
     @order("share", link=orders.is_link)
     def sheet(self, link):
@@ -30,18 +29,28 @@ class Share(Requests):
         send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.scene))
         send(qr="")
         if len(link) <= SCANNED:
-            self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""))
+            self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""), private=True)
 
     @order("export", kind=orders.FORMATS.__contains__)
     def export(self, kind):
-        """Let a worker write the file of the run: `kind` is npz or json."""
-        call = (tasks.file_of_run, self.session.pursuit.scene, kind)
-        self.add_one(call, lambda made: self._made(made, kind), rank=LATER, seconds=LONG)
+        """Let a worker write the file of the run: `kind` is npz or json. One is written after the other."""
+        writing = bool(self.wanted)
+        self.wanted.setdefault(kind, self.session.pursuit.scene)
+        if not writing:
+            self._write()
 
-    def _made(self, made, kind):
-        body = b"" if isinstance(made, Exception) else made
+    def _write(self):
+        kind, scene = next(iter(self.wanted.items()))
+        seconds, take = tasks.LONGEST_FILE + worker.SLOW, partial(self._made, kind)
+        self.ask((tasks.file_of_run, scene, kind), take, seconds=seconds, private=True)
+
+    def _made(self, kind, body):
+        del self.wanted[kind]
+        body = body or b""
         why = LARGE if len(body) > LARGEST else "" if body else SLOW
         self.session.send("file", ending=kind, why=why, body=b"" if why else body)
+        if self.wanted:
+            self._write()
 
 
 def python_lines(scene):

@@ -1,22 +1,17 @@
 """Cautions about questionable parameters, and the accuracy measurement in the app."""
 
-import multiprocessing
-import queue
 import re
 
 import pytest
-from helpers import until
 from served import PATIENCE, finished
 from visitor import Page, order
 
-from app.pages.accuracy import page as accuracy
 from app.service import bench
-from app.views.plots import view_of
+from app.service.pool import HEAVY
 from solver import Scene, simulate, whole_surface
 from solver.cautions import cautions
+from solver.isolated import Lost
 from solver.run.frame import largest_overlap
-
-WAIT = PATIENCE / 1000  # s
 
 
 def test_the_default_scene_needs_no_caution():
@@ -81,7 +76,7 @@ def test_cautions_are_published_after_new_and_known_runs(pool):
     assert page.status()["cautions"] == []
     page.until("finished")
     assert "smoothed away" in page.status()["cautions"][0]
-    other = Page(pool, page.session.scene, run_cache=page.session.run_cache)
+    other = Page(pool, page.session.scene, jobs=page.session.jobs)
     other.order("hello")
     assert other.status()["cautions"] == page.status()["cautions"]
     assert page.session.run.packed.widest == other.session.run.packed.widest > 0.0
@@ -89,60 +84,34 @@ def test_cautions_are_published_after_new_and_known_runs(pool):
     other.session.close()
 
 
-class Visitor:
-    """Replaces a session and its document: keeps scheduled calls and has the page."""
-
-    def __init__(self):
-        self.calls, self.doc, self.scene = queue.Queue(), self, Scene()
-        views = {figure.name.removeprefix("accuracy_"): view_of(figure) for figure in accuracy.compose()}
-        self.page = accuracy.Page(self, lambda **news: None, views)
-
-    def add_next_tick_callback(self, call):
-        self.calls.put(call)
-
-    def measure(self):
-        self.page.order({"what": "measure"})
-        return self.page.job
-
-    @property
-    def state(self):
-        return self.page.report["state"]
+def measuring(session):
+    """The task of the measurement that was begun last."""
+    return [task for task in session.jobs.pool.tasks if task.call[0] is bench.work][-1]
 
 
-@pytest.mark.slow
-def test_cancelling_an_accuracy_measurement_ends_its_process():
-    visitor = Visitor()
-    job = visitor.measure()
-    visitor.calls.get(timeout=WAIT)()
-    process = job.caller.process
-    assert visitor.state == "measuring" and process.is_alive()
-    visitor.page.scene_changed()
-    assert visitor.state == "cancelled" and visitor.page.report["why"] == "the scene has changed"
-    job.join(WAIT)
-    assert not process.is_alive() and process not in multiprocessing.active_children()
-    while not visitor.calls.empty():
-        visitor.calls.get()()
-    assert visitor.state == "cancelled"
+def measurement(session):
+    return session.pages.page.report
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
-def test_accuracy_measurements_run_one_at_a_time_and_report_a_killed_process():
-    first, second = Visitor(), Visitor()
-    measuring = first.measure()
-    until(lambda: measuring.caller is not None)
-    waiting = second.measure()
-    first.calls.get(timeout=WAIT)()  # the first measures: meanwhile the second could have started a process, too
-    assert waiting.caller is None and second.state == "waiting"
-    measuring.caller.process.kill()
-    while first.state != "failed":
-        first.calls.get(timeout=WAIT)()
-    assert "Measure again" in first.page.report["why"]
-    second.calls.get(timeout=WAIT)()
-    assert second.state == "measuring"
-    second.page.close()
-    waiting.join(WAIT)
-    assert not waiting.is_alive()
+def test_an_accuracy_measurement_reports_its_points_and_is_cancelled_by_another_scene(session):
+    order(session, "page", page="accuracy")
+    order(session, "ask", what="measure")
+    task = measuring(session)
+    assert measurement(session)["state"] == "waiting" and task.rank == HEAVY
+    task.hear({"state": "measuring", "progress": 0.5, "points": []})
+    assert measurement(session)["state"] == "measuring" and page_state(session)["texts"]["accuracy-state"] == "50%"
+    order(session, "scene", E="80")
+    assert measurement(session)["state"] == "cancelled" and measurement(session)["why"] == "the scene has changed"
+    assert task.cancelled()
+    task.hear({"state": "measuring", "progress": 0.6, "points": []})
+    assert measurement(session)["state"] == "cancelled"
+
+
+def test_a_measurement_that_takes_too_long_is_reported_with_advice(session):
+    order(session, "page", page="accuracy")
+    order(session, "ask", what="measure")
+    measuring(session).set_exception(Lost("hang", "no answer"))
+    assert measurement(session)["state"] == "failed" and "less expensive scene" in measurement(session)["why"]
 
 
 def test_an_empty_accuracy_report_has_no_points():

@@ -7,7 +7,7 @@ import signal
 import numpy as np
 import pytest
 from helpers import until
-from visitor import PATIENCE, SHORT, Page, say, unpacked
+from visitor import PATIENCE, SHORT, Page, say, unpacked, whole_run
 
 from app.service import packing, worker
 from app.session import controls, pursuit
@@ -26,9 +26,8 @@ def all_at_work(pool):
 
 @pytest.fixture
 def slices(monkeypatch):
-    """Cut runs into many slices, however fast the solver."""
+    """Cut off the first part of runs, however fast the solver."""
     monkeypatch.setattr(pursuit, "FIRST", 0.002)
-    monkeypatch.setattr(pursuit, "BUDGET", 0.002)
 
 
 @pytest.fixture
@@ -120,7 +119,7 @@ def test_drawer_holds_every_parameter_without_a_slider_once():
 def test_a_flat_is_packed_with_only_the_drawn_nodes():
     scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=2.0)
     frames, _ = advance(scene, None, np.inf)
-    head, _, fields = unpacked(worker.compute(scene, None, np.inf).blocks[-1])
+    head, _, fields = unpacked(whole_run(scene).blocks[-1])
     assert head["nodes"] == packing.FLAT and head["first"] == (scene.nodes - packing.FLAT) // 2
     assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
 
@@ -128,7 +127,7 @@ def test_a_flat_is_packed_with_only_the_drawn_nodes():
 def test_packed_frames_match_the_solver():
     scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
     frames, _ = advance(scene, None, np.inf)
-    blocks = worker.compute(scene, None, 60.0).blocks
+    blocks = whole_run(scene).blocks
     head, curves, fields = unpacked(blocks[-1])
     frame, nodes = frames[-1], head["nodes"]
     assert head["first"] == frame.first and nodes == frame.u.shape[1]
@@ -159,7 +158,7 @@ def test_compression_of_a_run_is_lossless(surface):
 
 
 def test_page_receives_the_number_of_compiled_kernels_during_warm_up(session):
-    session.pool.status, session.pool.compiled = "warming", 3
+    session.jobs.pool.status, session.jobs.pool.compiled = "warming", 3
     say(session, {"do": "hello"})
     assert session.status["compiled"] == (3, worker.KERNELS)
 
@@ -197,31 +196,27 @@ def test_an_invalid_entry_keeps_the_run_on_screen(page):
 
 @pytest.mark.thorough
 @pytest.mark.slow
-def test_a_new_scene_does_not_wait_for_a_slow_slice(page, pool, monkeypatch):
+def test_a_new_scene_does_not_wait_for_a_slow_part(page, pool, monkeypatch):
     monkeypatch.setattr(pool, "patience", 600.0)
-    monkeypatch.setattr(pursuit, "BUDGET", 600.0)  # the slow run is one slice from the shear on: seconds
+    monkeypatch.setattr(pursuit, "FIRST", 600.0)  # the slow run is one part: seconds
     all_at_work(pool)
     page.session.scene = Scene(E=10.0, delta_bar=1.0)
     page.order("hello")
-    while page.status()["frames"] == 0:
-        page.calls.get(timeout=PATIENCE)()
-    stale = page.session.pursuit.task
+    stale = page.session.pursuit.job.task
+    until(stale.running)
     page.order("scene", E=1000.0)
-    while page.chunks[-1][0] == 1:
-        page.calls.get(timeout=PATIENCE)()
-    assert not stale.done() and stale.abandoned
     page.until("finished")
     assert page.session.run.scene == Scene(E=1000.0, delta_bar=1.0)
+    assert {run for run, *_ in page.chunks} == {2} and stale.abandoned
     stale.result(PATIENCE)  # ends by itself, and nobody looks
-    assert {run for run, *_ in page.chunks} == {1, 2} and page.chunks[-1][0] == 2
 
 
 def test_visitors_share_computed_runs(page, pool):
     page.order("hello")
     page.until("finished")
-    other = Page(pool, run_cache=page.session.run_cache)
+    other = Page(pool, jobs=page.session.jobs)
     other.order("hello")
-    assert other.status()["state"] == "finished" and other.session.pursuit.task is None
+    assert other.status()["state"] == "finished" and other.session.pursuit.job is None
     assert other.status()["frames"] == page.status()["frames"]
     np.testing.assert_array_equal(other.curve("F_bar"), page.curve("F_bar"))
     other.session.close()
@@ -234,16 +229,17 @@ def test_malformed_orders_are_ignored(page, order):
     page.until("finished")
 
 
-def test_pause_stops_submitting_slices_and_go_continues(page, slices):
+def test_a_paused_run_computes_single_increments_until_it_is_resumed(page, slices):
+    page.session.scene = Scene(u_x_max=80.0)
     page.order("hello")
     page.until("running")
     page.order("pause")
-    while page.session.pursuit.task is not None:
-        page.calls.get(timeout=PATIENCE)()
+    job = page.session.pursuit.job
+    until(lambda: job.task is None)
+    page.run_scheduled(lambda: page.session.run.parts == len(job.parts))
     frames = page.status()["frames"]
     page.order("step")
-    while page.session.pursuit.task is not None:
-        page.calls.get(timeout=PATIENCE)()
+    page.run_scheduled(lambda: page.status()["frames"] > frames)
     assert page.status()["state"] == "paused" and page.status()["frames"] == frames + 1
     page.order("resume")
     page.until("finished")
@@ -254,11 +250,11 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
     page.order("hello")
     page.until("finished")
     undisturbed = page.curve("F_bar")
-    page.session.run_cache.clear()
+    page.session.jobs.clear()
     monkeypatch.setattr(pursuit, "FIRST", 60.0)  # the whole run is one slice
     lost = pool.replaced
     page.order("hello")
-    until(lambda: page.session.pursuit.task.running())
+    until(lambda: page.session.pursuit.job.task.running())
     for process in pool.processes():
         os.kill(process, signal.SIGKILL)
     page.until("finished")
@@ -272,16 +268,15 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_a_slice_that_kills_every_worker_is_reported_as_failed(page, monkeypatch):
-    monkeypatch.setattr(page.session.pursuit, "_slice", lambda budget: submit_exit(page.session.pursuit))
+    monkeypatch.setattr(worker, "compute", end_worker)
     page.order("hello")
     page.until("failed")
     assert "workers" in page.status()["why"]
 
 
-def submit_exit(pursuit):
-    """Submit a task that ends its worker."""
-    if pursuit.task is None:
-        pursuit._submit((os._exit, 1), pursuit._show_slice)
+def end_worker(*_):
+    """End the worker that makes this call."""
+    os._exit(1)
 
 
 def test_a_session_is_freed_when_its_visitor_leaves(pool):

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from visitor import PATIENCE, Page, messages, say
 
+from app.service import tasks, worker
+from app.service.packing import Frames
 from app.session import orders, share
 from app.session.controls import address_of, scene_from_address
 from app.session.profiles import name_of
 from app.session.run import Run
 from app.session.share import SCANNED, python_lines
-from solver import NotConverged, Profile, Scene
+from solver import Profile, Scene
 from solver.presets import presets
 
 X = np.arange(128) / 128
@@ -115,7 +117,7 @@ def test_two_files_asked_for_at_once_both_come(page):
 
 def test_table_of_a_layer_belongs_to_the_run_on_screen(session):
     sent = messages(session)
-    session.pursuit.run = Run(2, Scene(height=2.0), 500, "finished", 0.0, frames=400)
+    session.pursuit.run = Run(2, Scene(height=2.0), 500, "finished", 0.0)
     say(session, {"do": "layer", "rows": 20, "modes": 32, "depth": 300.0})
     (call,) = session.layer.waiting
     assert call[1].height == 2.0
@@ -127,8 +129,8 @@ def test_table_of_a_layer_belongs_to_the_run_on_screen(session):
 def test_a_finished_run_is_stored_for_all_visitors_and_dropped_by_its_own(page):
     page.order("hello")
     page.until("finished")
-    made, run_cache = page.session.run.packed, page.session.run_cache
-    assert (made.blocks, made.skeleton) == ((), None) and page.session.scene in run_cache
+    made, results = page.session.run.packed, page.session.jobs.results
+    assert (made.blocks, made.skeleton) == ((), None) and (worker.compute, page.session.scene) in results
 
 
 @pytest.mark.parametrize("name", presets())
@@ -164,28 +166,49 @@ def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
 def test_a_failed_pinned_run_sends_its_reason(session):
     sent = messages(session)
     say(session, {"do": "pin", "values": {"delta_bar": "0.3"}, "pin": 3})
-    (task,) = session.pool.tasks
-    task.set_result(NotConverged("no equilibrium"))
+    (task,) = session.jobs.pool.tasks
+    task.set_result(Frames(failure="no equilibrium"))
     assert sent == [{"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}]
     say(session, {"do": "pin", "values": {}, "pin": 9})  # no pin
-    assert session.pool.tasks == [task]
+    assert session.jobs.pool.tasks == [task]
 
 
 def test_a_rejected_order_is_acknowledged_and_leaves_the_pinned_run_to_be_computed(session):
     sent = messages(session)
     session.hello()
     say(session, {"do": "pin", "values": {"delta_bar": "0.3"}, "pin": 3, "n": 1})
-    waiting = session.pool.tasks[-1]
+    waiting = session.jobs.pool.tasks[-1]
     say(session, {"do": "pin", "values": {"delta_bar": 0.4}, "pin": "4", "n": 2})
     status = session.status
     assert status["acknowledged"] == 2 and "Reload the page" in status["notes"][0]
-    assert session.pool.tasks[-1] is waiting and not waiting.cancelled()
-    waiting.set_result(NotConverged("no equilibrium"))
+    assert session.jobs.pool.tasks[-1] is waiting and not waiting.cancelled()
+    waiting.set_result(Frames(failure="no equilibrium"))
     assert sent[-1] == {"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}
 
 
 def test_exports_use_the_newest_scene_while_it_waits(session):
     session.hello()
-    session.pool.tasks[-1].set_running_or_notify_cancel()
+    session.jobs.pool.tasks[-1].set_running_or_notify_cancel()
     session.change({"E": "90"})
     assert session.pursuit.requested and session.pursuit.scene == session.scene
+
+
+def test_many_pins_and_files_leave_few_tasks_and_no_memory(session):
+    """Of 20,000 pin orders, 17,000 tasks waited, and their scenes stayed in memory."""
+    session.hello()
+    for k in range(2000):
+        say(session, {"do": "pin", "values": {"delta_bar": f"{0.0001 * k:.4f}"}, "pin": 1 + k % 4, "n": k})
+        say(session, {"do": "export", "kind": ("npz", "json")[k % 2], "n": k})
+    left = [task for task in session.jobs.pool.tasks if not task.cancelled()]
+    assert len([task for task in left if task.call[0] is worker.compute]) == 1 + 4
+    assert len([task for task in left if task.call[0] is tasks.file_of_run]) == 1
+    assert len(session.jobs._shared) <= 1 + 4 and len(session.share.wanted) == 2
+
+
+def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_lives(session, monkeypatch):
+    monkeypatch.setattr(tasks, "LONGEST_FILE", 0.0)
+    sent = messages(session)
+    say(session, {"do": "export", "kind": "json"})
+    (task,) = session.jobs.pool.tasks
+    task.set_result(task.call[0](*task.call[1:]))
+    assert sent == [{"kind": "file", "ending": "json", "why": share.SLOW, "body": b""}]

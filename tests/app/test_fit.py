@@ -19,7 +19,7 @@ def page_state(session):
 
 def answer(session):
     """Do the newest task of the pool, as a worker would."""
-    task = session.pool.tasks[-1]
+    task = session.jobs.pool.tasks[-1]
     call, *arguments = task.call
     task.set_running_or_notify_cancel()
     task.set_result(call(*arguments))
@@ -75,9 +75,9 @@ def test_an_invalid_measurement_is_reported_and_the_previous_one_stays(session, 
 
 
 def test_no_fit_starts_without_a_measurement_or_a_free_parameter(session, page):
-    asked = len(session.pool.tasks)
+    asked = len(session.jobs.pool.tasks)
     order(session, "ask", what="fit", free="phi_n")
-    assert len(session.pool.tasks) == asked
+    assert len(session.jobs.pool.tasks) == asked
     send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="nodes,")
@@ -88,7 +88,7 @@ def test_a_fit_continues_while_its_page_is_closed(session, page):
     order(session, "file", entry="measurement", text=CURVE)
     answer(session)
     order(session, "ask", what="fit", free="phi_n")
-    task = session.pool.tasks[-1]
+    task = session.jobs.pool.tasks[-1]
     order(session, "page", page="law")
     assert not task.cancelled()
     answer_with(task, "nothing slips")
@@ -134,7 +134,7 @@ def test_cancel_stops_the_fit(session, page):
     send_file(session, "measurement", CURVE)
     answer(session)
     order(session, "ask", what="fit", free="phi_n")
-    task = session.pool.tasks[-1]
+    task = session.jobs.pool.tasks[-1]
     order(session, "ask", what="cancel")
     assert task.cancelled() and page_state(session)["busy"] is None
 

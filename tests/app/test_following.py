@@ -1,43 +1,38 @@
 """Predictions during a drag: they match the exact run, skip intermediate positions and end in the exact run."""
 
+import zlib
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from visitor import NoPool, Page, say, slices, unpacked
+from visitor import NoPool, Page, say, slices, unpacked, whole_run
 
 from app.service import following, metrics, packing, worker
-from app.service.cache import Cache
-from app.service.packing import Frames
+from app.service.jobs import Jobs
 from app.service.pool import EXACT, LATER, SCREEN
-from app.service.requests import shared_requests
 from app.session import pursuit
 from app.session.pursuit import OFF
 from app.session.run import Run
-from solver import Scene
+from solver import Scene, follow
 
 SCENE = Scene(u_x_max=16.0)  # slips three times
 NEXT = SCENE.changed(delta_bar=0.02)
-MOST = 60_000  # bytes of a picture
-
-
-def finished(scene):
-    """A whole run as the server keeps it."""
-    piece = worker.compute(scene, None, 600.0)
-    return Frames(piece.blocks, piece.frames, piece.evaluations, piece.residual, piece.widest, skeleton=piece.skeleton)
+MOST = 30_000  # bytes of a picture
 
 
 @pytest.fixture(scope="module")
 def runs():
-    """{scene: Finished} of two neighbours."""
-    return {scene: finished(scene) for scene in (SCENE, NEXT)}
+    """{scene: Frames} of two neighbours."""
+    return {scene: whole_run(scene) for scene in (SCENE, NEXT)}
 
 
 def parts(picture):
     """({column: (k,)}, {field: (2, m)} in nm and GPa of both frames, map (rows, columns)) of a picture."""
-    place, block, at = picture["map"], picture["block"], 0
+    place, block, body, at = picture["map"], picture["block"], zlib.decompress(picture["body"]), 0
 
     def read(kind, *shape):
         nonlocal at
-        values = np.frombuffer(picture["body"], kind, int(np.prod(shape)), at).reshape(shape)
+        values = np.frombuffer(body, kind, int(np.prod(shape)), at).reshape(shape)
         at += values.nbytes
         return values
 
@@ -45,7 +40,7 @@ def parts(picture):
     read("<f4", len(block["columns"]), block["frames"])
     fields = read("<i2", len(block["scales"]), block["frames"], block["nodes"])
     cells = read(np.int8, place["rows"], place["columns"])
-    assert at == len(picture["body"])
+    assert at == len(body)
     scaled = {name: scale * field for (name, scale), field in zip(block["scales"].items(), fields, strict=True)}
     return dict(zip(picture["columns"], curves, strict=True)), scaled, cells
 
@@ -98,9 +93,9 @@ def test_contact_map_of_a_prediction_holds_quantised_tractions(runs):
 
 
 def test_skeleton_of_a_sliced_run_equals_that_of_a_whole_run(runs):
-    pieces = list(slices(SCENE, 0.02))
-    assert len(pieces) > 1
-    sliced, whole = (pieces[-1].skeleton, runs[SCENE].skeleton)
+    parts = list(slices(SCENE, 0.02))
+    assert len(parts) > 1
+    sliced, whole = parts[-1].skeleton, runs[SCENE].skeleton
     np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-6, atol=1e-10)
 
 
@@ -131,12 +126,12 @@ class Answered(NoPool):
 @pytest.fixture
 def page(runs):
     """A visitor who looks at the finished run of SCENE."""
-    shared_requests.clear()  # as if no other test had compared these runs
-    run_cache = Cache(1e8)
-    run_cache.put(SCENE, runs[SCENE])
-    visit = Page(Answered(), SCENE, run_cache=run_cache)
+    jobs = Jobs(Answered())
+    call = worker.compute, SCENE
+    jobs.results.put(call, (call, runs[SCENE]))
+    visit = Page(None, SCENE, jobs=jobs)
     visit.order("hello")
-    visit.pool = visit.session.pool
+    visit.pool = jobs.pool
     yield visit
     visit.session.close()
 
@@ -159,6 +154,39 @@ def test_only_the_newest_slider_position_is_predicted_next(page):
     assert not page.pool.waiting(worker.compute)  # no run
 
 
+def test_a_drag_whose_picture_waits_in_the_queue_is_acknowledged_within_a_second(page):
+    """The page gave the connection up after 12 s, and loaded itself again."""
+    move(page, 0.01)
+    assert page.status()["acknowledged"] != 1.0
+    page.session.look()  # a timer of the server, every second
+    page.calls.get_nowait()()
+    assert page.status()["acknowledged"] == 1.0
+    move(page, 0.02)
+    page.pool.answer(page, following.followed, following.Followed({"body": b"!"}, b"skeleton"))
+    assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.02]
+
+
+def test_only_what_has_changed_is_sent_again(page):
+    sent, send = [], page.trigger_on_change
+    page.trigger_on_change = lambda event: sent.append(event.msg_data) or send(event)
+    say(page.session, {"do": "scene", "values": {"E": "a lot"}, "n": 5})
+    (status,) = sent
+    assert status.keys() == {"kind", "acknowledged", "errors"}
+
+
+def test_a_part_of_a_run_carries_its_run_state_and_count(page):
+    sent, send = [], page.trigger_on_change
+    page.trigger_on_change = lambda event: sent.append(event.msg_data) or send(event)
+    page.order("scene", phi_ratio=0.5)
+    (task,) = page.pool.waiting(worker.compute)
+    part = worker.compute(task.call[1], None, 0.02)
+    page.pool.answer(page, worker.compute, part)
+    page.pool.answer(page, worker.compute, worker.compute(task.call[1], part.state, np.inf, np.inf))
+    runs = [message for message in sent if message["kind"] == "run"]
+    assert [(m["run"], m["state"]) for m in (runs[0], runs[-1])] == [(2, "running"), (2, "finished")]
+    assert (runs[0]["frames"], runs[-1]["frames"]) == (part.made.frames, page.status()["frames"])
+
+
 def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     move(page, 0.01)
     (task,) = page.pool.waiting(following.followed)
@@ -179,7 +207,7 @@ def test_exact_run_starts_on_release_behind_predictions_of_others(page, runs):
     assert task.call[1] == NEXT and task.rank == EXACT
     assert page.status()["state"] == "refining"
     before = {name: metrics.counted(name) for name in ("agreed", "disagreed")}
-    page.pool.answer(page, worker.compute, worker.compute(NEXT, None, 600.0))
+    page.pool.answer(page, worker.compute, whole_run(NEXT))
     assert page.status()["state"] == "finished" and len(page.chunks) > sent
     (task,) = page.pool.waiting(following.compared)
     assert task.rank == LATER
@@ -202,7 +230,7 @@ def test_a_wrong_prediction_is_counted_and_reported(page, runs):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     page.order("release")
-    page.pool.answer(page, worker.compute, worker.compute(NEXT, None, 600.0))
+    page.pool.answer(page, worker.compute, whole_run(NEXT))
     before = metrics.counted("disagreed")
     page.pool.answer(page, following.compared, (0.02, 0.01))
     assert metrics.counted("disagreed") == before + 1
@@ -220,7 +248,7 @@ def test_exact_run_starts_at_once_if_a_prediction_fails_and_the_reason_is_counte
     task.set_running_or_notify_cancel()
     move(page, 0.06)
     assert not page.pool.waiting(following.followed)
-    page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 600.0))
+    page.pool.answer(page, worker.compute, whole_run(task.call[1]))
     (task,) = page.pool.waiting(following.followed)  # from the run that has just ended
     assert task.call[2].delta_bar == 0.06 and page.session.run.scene.delta_bar == 0.05
 
@@ -283,7 +311,18 @@ def test_a_prediction_lost_with_its_worker_starts_an_exact_run(page):
 
 
 def test_predictions_are_compared_by_slip_positions_and_friction(runs):
-    same, other = (following.compared(runs[scene].skeleton, runs[NEXT].blocks) for scene in (NEXT, SCENE))
+    same, other = (following.compared(runs[scene].skeleton, runs[NEXT].skeleton) for scene in (NEXT, SCENE))
     assert same[0] < following.AGREE_U < other[0] and same[1] < following.AGREE_F < other[1]
-    smooth = worker.compute(SCENE.changed(phi_ratio=0.002), None, 600.0)  # slides without slips
-    assert following.compared(runs[NEXT].skeleton, smooth.blocks) == (np.inf, np.inf)
+    smooth = whole_run(SCENE.changed(phi_ratio=0.002))  # slides without slips
+    assert following.compared(runs[NEXT].skeleton, smooth.skeleton) == (np.inf, np.inf)
+
+
+def test_a_predicted_state_that_is_not_finite_counts_as_not_followed(runs, monkeypatch):
+    def broken(skeleton, scene):
+        there = follow(skeleton, scene)
+        first, *others = there.branches
+        states = [state._replace(v=np.full_like(state.v, np.nan)) for state in first.states]
+        return replace(there, branches=(replace(first, states=states), *others))
+
+    monkeypatch.setattr(following, "follow", broken)
+    assert "not finite" in following.followed(runs[SCENE].skeleton, NEXT, 9.0)

@@ -68,7 +68,7 @@ def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
 
 def reading_of(session):
     """The task that reads the profile sent last."""
-    return next(task for task in reversed(session.pool.tasks) if task.call[0] is tasks.measured)
+    return next(task for task in reversed(session.jobs.pool.tasks) if task.call[0] is tasks.measured)
 
 
 def test_sliders_moved_while_a_profile_is_read_are_kept_and_a_preset_replaces_it(session):

@@ -36,7 +36,7 @@ def test_sensitivity_of_the_force_refers_to_newtons_per_metre():
 
 def test_a_visitor_receives_the_sensitivities_of_the_scene_on_screen(session):
     order(session, "page", page="matters")
-    (task,) = [task for task in session.pool.tasks if task.call[0] is tasks.what_matters]
+    (task,) = [task for task in session.jobs.pool.tasks if task.call[0] is tasks.what_matters]
     assert task.call[1] == session.scene
     assert session.pages.page.published["texts"]["matters-text"].startswith("Computing")
     order(session, "page", page="")

@@ -48,7 +48,7 @@ def test_closed_pages_cause_no_tasks_and_no_messages(session):
     order(session, "hello")
     order(session, "scene", E="80")
     assert {message["kind"] for message in sent} == {"status"} and all(
-        task.call[0].__module__ == "app.service.worker" for task in session.pool.tasks
+        task.call[0].__module__ == "app.service.worker" for task in session.jobs.pool.tasks
     )
 
 
@@ -120,7 +120,7 @@ def test_repeated_requests_for_a_layer_table_compute_it_once(session):
     order(session, "hello")
     for rows in (100, 60, 100, 60):
         order(session, "layer", rows=rows, modes=100, depth=100.0)
-    made = [task for task in session.pool.tasks if task.call[0] is tasks.layer_table]
+    made = [task for task in session.jobs.pool.tasks if task.call[0] is tasks.layer_table]
     assert len(made) == 2 and not any(task.cancelled() for task in made)
     for task in made:
         task.set_running_or_notify_cancel()

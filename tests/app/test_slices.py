@@ -5,10 +5,9 @@ from math import inf
 
 import numpy as np
 import pytest
-from visitor import SHORT, Page, unpacked
+from visitor import SHORT, unpacked, whole_run
 
 from app.service import tasks, worker
-from app.service.pool import HEAVY, LATER, SCREEN
 from solver import NotConverged, Scene, load_path
 from solver.analysis.friction_laws import friction_force, onset
 
@@ -56,37 +55,24 @@ def test_a_sweep_that_runs_out_of_time_reports_where(short, monkeypatch):
 
 
 def test_a_finished_run_returns_only_packed_frames_and_its_skeleton():
-    piece = worker.compute(SHORT, None, 600.0)
-    assert piece.done and piece.state is None
-    assert len(pickle.dumps(piece)) < sum(map(len, piece.blocks)) + len(pickle.dumps(piece.skeleton)) + 2000
+    made = whole_run(SHORT)
+    assert len(pickle.dumps(made)) < sum(map(len, made.blocks)) + len(pickle.dumps(made.skeleton)) + 2000
 
 
 def test_an_increment_out_of_time_is_postponed_and_finally_ends_the_run(monkeypatch):
-    piece = worker.compute(SHORT, None, 60.0, limit=0.0)
-    assert not piece.done and piece.heavy and piece.failure is None
+    monkeypatch.setattr(worker, "QUICK", 0.0)
+    part = worker.compute(SHORT, None, 60.0)
+    assert part.heavy and not part.made.failure
     monkeypatch.setattr(worker, "SLOW", 0.0)
-    last = worker.compute(SHORT, piece.state, 60.0, limit=0.0)
-    assert last.done and "Not converged at" in last.failure and "0 s of processor time" in last.failure
-
-
-@pytest.mark.slow
-def test_a_run_with_expensive_increments_yields_to_others_and_completes(pool, monkeypatch):
-    monkeypatch.setattr(worker, "QUICK", 0.0)  # whatever it is, it takes longer
-    page, ranks = Page(pool), []
-    submit = pool.submit
-    monkeypatch.setattr(pool, "submit", lambda *call, **how: ranks.append(how["rank"]) or submit(*call, **how))
-    page.order("hello")
-    page.until("finished")
-    assert set(ranks) - {LATER} == {SCREEN, HEAVY}  # later: marks on the sliders, in the background
-    assert page.status()["frames"] == SHORT.approach_increments + SHORT.shear_increments + 2
-    page.session.close()
+    last = worker.compute(SHORT, part.state, 60.0)
+    assert "Not converged at" in last.failure and "0 s of processor time" in last.failure
 
 
 def test_a_run_in_two_slices_ends_as_in_one():
-    piece = worker.compute(SHORT, None, 0.0)
-    rest = worker.compute(SHORT, piece.state, inf)
-    whole = worker.compute(SHORT, None, inf)
-    assert piece.frames + rest.frames == whole.frames
+    part = worker.compute(SHORT, None, 0.0)
+    rest = worker.compute(SHORT, part.state, inf, limit=inf)
+    whole = whole_run(SHORT)
+    assert part.made.frames + rest.frames == whole.frames
     assert unpacked(rest.blocks[-1])[1]["F_bar"][-1] == pytest.approx(
         unpacked(whole.blocks[-1])[1]["F_bar"][-1], rel=1e-5
     )

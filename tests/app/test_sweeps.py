@@ -1,107 +1,17 @@
-"""Requests of pages to workers: shared between visitors, cancelled when unused, repeated after a lost worker."""
+"""Pages that show results of many calls: Stick-slip, and Area laws."""
 
 import numpy as np
 import pytest
-from visitor import SHORT, NoPool, order
+from visitor import order
 
-from app.service import tasks, worker
-from app.service.cache import size_of
-from app.service.requests import Requests, SharedRequests
+from app.service import tasks
 from solver.analysis.friction_laws import INDENTATIONS, critical_modulus, onset
-from solver.isolated import Lost
 from solver.presets import presets
-
-
-class Visitor:
-    """A stand-in for a session: what is scheduled runs at once."""
-
-    def __init__(self, pool):
-        self.pool, self.doc = pool, self
-
-    def add_next_tick_callback(self, call):
-        call()
-
-
-@pytest.fixture
-def pool():
-    return NoPool()
-
-
-def test_equal_requests_of_visitors_are_computed_once(pool):
-    shared, seen = SharedRequests(), []
-    sweeps = [Requests(Visitor(pool), lambda call, result, k=k: seen.append((k, result)), shared) for k in range(3)]
-    for sweep in sweeps[:2]:
-        sweep.add([(abs, -3)])
-    assert len(pool.tasks) == 1 and sweeps[0].part == 0.0
-    pool.tasks[0].set_result(3)
-    assert sorted(seen) == [(0, 3), (1, 3)] and sweeps[0].part is None
-    sweeps[2].add([(abs, -3)])
-    assert seen[-1] == (2, 3) and len(pool.tasks) == 1
-
-
-def test_a_shared_call_is_cancelled_when_its_last_visitor_leaves(pool):
-    shared = SharedRequests()
-    first, second = (Requests(Visitor(pool), lambda call, result: None, shared) for _ in range(2))
-    for sweep in (first, second):
-        sweep.add([(abs, -3)])
-    first.cancel()
-    assert not pool.tasks[0].cancelled()
-    second.cancel()
-    assert pool.tasks[0].cancelled()
-
-
-def test_a_cancelled_sweep_receives_no_results(pool):
-    seen = []
-    sweep, other = (
-        Requests(Visitor(pool), lambda call, result: seen.append(result), shared) for shared in [SharedRequests()] * 2
-    )
-    sweep.add([(abs, -3)])
-    other.add([(abs, -3)])
-    sweep.cancel()
-    pool.tasks[0].set_result(3)
-    assert seen == [3]
-
-
-def test_a_call_lost_with_its_worker_is_retried_and_finally_reported(pool):
-    seen = []
-    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), SharedRequests())
-    sweep.add([(abs, -3)])
-    for attempt in range(3):
-        assert len(pool.tasks) == attempt + 1 and not seen
-        pool.tasks[attempt].set_exception(Lost("crash", "gone"))
-    assert isinstance(seen[0], Lost)
-
-
-def test_partial_results_are_accumulated_on_the_server(pool, monkeypatch):
-    monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each, behind the approach
-    seen = []
-    sweep = Requests(Visitor(pool), lambda call, result: seen.append(result), SharedRequests())
-    sweep.add([(tasks.whole_run, SHORT)])
-    while not seen:
-        call, *arguments = pool.tasks[-1].call
-        pool.tasks[-1].set_result(call(*arguments))
-    whole = worker.compute(SHORT, None, 600.0)
-    assert len(pool.tasks) > 1 and (seen[0].frames, seen[0].skeleton is None) == (whole.frames, False)
-    kept = [task.call[2] for task in pool.tasks[1:]]
-    assert all(isinstance(each, bytes) for each in kept)
-
-
-def test_least_recently_used_results_are_dropped(pool):
-    shared = SharedRequests(capacity=2 * size_of(((abs, -1), 1)))
-    sweep = Requests(Visitor(pool), lambda call, result: None, shared)
-    for k in range(3):
-        sweep.add([(abs, -k)])
-        pool.tasks[k].set_result(k)
-    sweep.add([(abs, 0)])
-    assert len(pool.tasks) == 4
-
-
-# the pages
 
 
 def done(session, call_of=lambda call: True):
     """Do the tasks, as workers would."""
-    for task in session.pool.tasks:
+    for task in session.jobs.pool.tasks:
         if not task.done() and call_of(task.call):
             task.set_result(task.call[0](*task.call[1:]))
 
@@ -152,7 +62,7 @@ def test_legend_of_the_stick_slip_map_ends_at_its_largest_value(session):
 def test_area_laws_request_the_current_series_first_then_figure_8(session):
     session.change({"phi_ratio": "0.5"})
     order(session, "page", page="arealaws")
-    asked = [task.call[1] for task in session.pool.tasks if task.call[0] is tasks.onset_of]
+    asked = [scene for _, scene in session.pages.page.sweep.waiting]
     assert [scene.delta_bar for scene in asked[:10]] == [*INDENTATIONS, 1.0]
     assert {scene.phi_ratio for scene in asked[:10]} == {0.5}
     assert len(asked) == 40 and len({(s.phi_n, s.phi_ratio) for s in asked}) == 4
@@ -161,7 +71,7 @@ def test_area_laws_request_the_current_series_first_then_figure_8(session):
 def test_area_laws_show_each_onset_when_it_is_computed(session):
     order(session, "page", page="arealaws")
     assert session.pages.page.views["runs"].figure.y_range.end == 1.0  # in thousandths, before anything is known
-    task = next(t for t in session.pool.tasks if t.call[0] is tasks.onset_of and t.call[1].delta_bar == 0.1)
+    task = next(t for t in session.jobs.pool.tasks if t.call[0] is tasks.onset_of and t.call[1].delta_bar == 0.1)
     done(session, lambda call: call[:2] == task.call[:2])  # slice by slice
     found = onset(task.call[1])
     data = session.pages.page.views["threshold"].parts["points0"].data_source.data
@@ -181,8 +91,7 @@ def test_an_interface_is_added_once_and_replaces_the_oldest(session):
         order(session, "ask", what="add")
         assert page_state(session)["hidden"]["arealaws-add"]
     names = [pick["label"] for _, pick, *_ in page_state(session)["tables"]["arealaws-series"]]
-    asked = [task for task in session.pool.tasks if task.call[0] is tasks.onset_of and not task.cancelled()]
-    assert len(asked) == 50  # nothing is computed any longer for the series that had to go
+    assert len(session.pages.page.sweep.waiting) == 50  # nothing is computed any longer for the series that had to go
     assert len(names) == 5 and names[-1] == "φₙ = 2, φₜ/φₙ = 0.3" and names[0] == "φₙ = 2, φₜ/φₙ = 1"
 
 
@@ -191,4 +100,4 @@ def test_runs_of_the_stick_slip_page_can_be_cancelled(session):
     assert page_state(session)["busy"] == 0.0
     order(session, "ask", what="cancel")
     assert page_state(session)["busy"] is None
-    assert all(task.cancelled() for task in session.pool.tasks if task.call[0] is tasks.flat_friction)
+    assert all(task.cancelled() for task in session.jobs.pool.tasks if task.call[0] is tasks.flat_friction)

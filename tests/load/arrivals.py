@@ -53,7 +53,7 @@ async def memory_after(server, numbers, errors):
     await asyncio.gather(*(visit(server.port, numbers, errors) for _ in range(TOGETHER)))
     while (told := await asyncio.to_thread(server.metrics))["visitors"]:
         await asyncio.sleep(1.0)
-    return round((told["memory_bytes"] - told["run_cache_bytes"]) / 1e6), round(told["run_cache_bytes"] / 1e6)
+    return round((told["memory_bytes"] - told["cache_bytes"]) / 1e6), round(told["cache_bytes"] / 1e6)
 
 
 async def arrivals(server, options):

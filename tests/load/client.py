@@ -119,7 +119,7 @@ class Tab:
                 news = decoded(event["msg_data"], ("",)) if event["kind"] == "MessageSent" else {}
                 what = news.get("kind")
                 if what == "status":
-                    self.status = news
+                    self.status |= news
                 if what in ("run", "picture") or (what == "status" and self.status["acknowledged"] == self.orders):
                     return what
 

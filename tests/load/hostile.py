@@ -192,7 +192,7 @@ async def watched(server, over):
     rows = []
     while not over.is_set():
         told = await asyncio.to_thread(server.metrics)
-        rows.append(round((told["memory_bytes"] - told["run_cache_bytes"]) / 1e6))
+        rows.append(round((told["memory_bytes"] - told["cache_bytes"]) / 1e6))
         await asyncio.sleep(5.0)
     return rows
 
@@ -229,7 +229,7 @@ async def attack(server, options):
         "tracebacks": server.tracebacks(),
         "lines logged": len(server.lines),
         "memory before, after": (round(memory), round(server.memory())),
-        "of runs that are kept": (round(quiet["run_cache_bytes"] / 1e6), round(told["run_cache_bytes"] / 1e6)),
+        "of runs that are kept": (round(quiet["cache_bytes"] / 1e6), round(told["cache_bytes"] / 1e6)),
         "beats later than, s": later(quiet, told),
         "answers": summary(await lag),
         "MB every 5 s": await watch,

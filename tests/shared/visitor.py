@@ -3,15 +3,15 @@
 import json
 import queue
 import time
+from math import inf
 
 import numpy as np
 from bokeh.document.events import MessageSentEvent
 
 from app.pages import Pages
 from app.service import packing, worker
-from app.service.cache import Cache
+from app.service.jobs import Jobs
 from app.service.pool import Task
-from app.service.run_cache import CAPACITY
 from app.session.session import Session
 from solver import Scene
 
@@ -22,9 +22,9 @@ PATIENCE = 240  # s; a limit against hanging, not a claim about speed
 class Page:
     """A stand-in for the visitor's document and browser: runs what is scheduled, collects what is sent."""
 
-    def __init__(self, pool, scene=SHORT, arguments=None, run_cache=None):
+    def __init__(self, pool, scene=SHORT, arguments=None, jobs=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Session(self, Pages, arguments, pool, run_cache or Cache(CAPACITY))
+        self.session = Session(self, Pages, arguments, jobs or Jobs(pool))
         self.session.scene = scene
         self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
 
@@ -54,7 +54,11 @@ class Page:
 
     def until(self, state):
         """Live on until the run has the given state."""
-        while self.status().get("state") != state:
+        self.run_scheduled(lambda: self.status().get("state") == state)
+
+    def run_scheduled(self, condition):
+        """Run what is scheduled until a condition holds."""
+        while not condition():
             self.calls.get(timeout=PATIENCE)()
 
     def curve(self, name):
@@ -63,13 +67,18 @@ class Page:
         return np.concatenate([curves[name] for run, _, curves, _ in self.chunks if run == last])
 
 
+def whole_run(scene):
+    """The Frames of a run, computed at once."""
+    return worker.compute(scene, None, inf, limit=inf)
+
+
 def slices(scene, budget, **how):
-    """The Slices of a run, each from what the one before has kept."""
-    piece = worker.compute(scene, None, budget, **how)
-    yield piece
-    while not piece.done:
-        piece = worker.compute(scene, piece.state, budget, **how)
-        yield piece
+    """The Frames of the parts of a run, each from the state of the one before."""
+    part = worker.compute(scene, None, budget, **how)
+    while isinstance(part, worker.Part):
+        yield part.made
+        part = worker.compute(scene, part.state, budget, **how)
+    yield part
 
 
 def unpacked(block):
@@ -86,14 +95,15 @@ class NoPool:
     def __init__(self):
         self.tasks = []
 
-    def submit(self, *task, owner=None, rank=0, seconds=0.0):
+    def submit(self, *task, owner=None, rank=0, seconds=0.0, hear=None):
         self.tasks.append(Task(task, owner, rank))
+        self.tasks[-1].hear = hear
         return self.tasks[-1]
 
     def position(self, task):
         return None
 
-    def abandon(self, task):
+    def abandon(self, task, end=False):
         task.cancel()
 
 

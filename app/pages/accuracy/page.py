@@ -1,6 +1,6 @@
 """The page "Accuracy": error over run time and force evaluations of each method, for the scene on screen.
 
-A separate process measures (service/bench.py), until the scene changes.
+A worker measures (service/bench.py), until the scene changes.
 """
 
 import logging
@@ -12,6 +12,7 @@ from bokeh.models.glyphs import Line, Scatter, Text
 from app.pages import Sheet
 from app.pages.notebook import laid_out, page_of
 from app.service import bench
+from app.service.pool import HEAVY
 from app.views.plots import blank, draw
 
 log = logging.getLogger("app")
@@ -19,6 +20,11 @@ TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
 SERIES = {  # method: marker, colour; offset (px, right and down) and alignment of the tolerance beside its point
     "fast": ("circle", "--repulsive", 9, -6, "left"),
     "gfmd": ("square", "--adhering", 9, -6, "left"),
+}
+WHY = {
+    "crash": "the worker ended unexpectedly. Measure again",
+    "hang": f"it took longer than {bench.LONGEST:g} s. Choose a less expensive scene",
+    "error": "it could not be measured; the server's log says why",
 }
 WORK = {"seconds": "time of one core (s)", "evaluations": "force evaluations"}
 
@@ -57,7 +63,7 @@ class Page(Sheet):
 
     def __init__(self, *given):
         super().__init__(*given)
-        self.job, self.report = None, {}  # the current measurement; what the last one has reported
+        self.report = {}  # what the last measurement has reported
 
     def start(self):
         """Show the last measurement."""
@@ -71,37 +77,29 @@ class Page(Sheet):
         """Start or cancel a measurement."""
         if values.get("what") == "measure":
             self.close()
-            self.job = bench.Job(self.session.scene, self._pass_on)
-            self.report = {"state": "waiting", "progress": 0.0, "scene": self.session.scene}
+            scene = self.session.scene
+            self.report = {"state": "waiting", "progress": 0.0, "scene": scene}
             self._show({})
             log.info("a measurement begins")
-            self.job.start()
+            how = {"rank": HEAVY, "seconds": bench.LONGEST, "private": True, "streams": True}
+            self.single.add_one((bench.work, scene), self._ended, hear=self._show, **how)
         elif values.get("what") == "cancel":
             self._stop()
 
-    def close(self):
-        """End the measurement: the visitor left."""
-        super().close()
-        if self.job is not None:
-            self.job.stop()
-            self.job = None
-            log.info("a measurement ends early")
-
     def _stop(self, why=""):
-        if self.job is not None:
+        if self.single.waiting:
             self.close()
             self.report |= {"state": "cancelled", "why": why}
+            log.info("a measurement ends early")
         self._publish_texts()
 
-    def _pass_on(self, job, report):
-        """Pass a report from the thread of a job to that of the document."""
-        if not job.stopped.is_set():
-            self.session.doc.add_next_tick_callback(lambda: job is self.job and self._show(report))
+    def _ended(self, result):
+        log.info("a measurement has ended")
+        if isinstance(result, Exception):
+            why = WHY.get(getattr(result, "kind", ""), WHY["error"])
+            self._show({"state": "failed", "why": why})
 
     def _show(self, news):
-        if news.get("state") in bench.FINAL:
-            self.job = None
-            log.info("a measurement is %s", news["state"])
         self.report |= news
         self._draw(self.report.get("points", ()))
         self._publish_texts()
@@ -113,7 +111,7 @@ class Page(Sheet):
         busy = report["progress"] if state in ("waiting", "measuring") else None
         text = {
             None: "takes 10 s to 2 minutes",
-            "waiting": "getting ready, or waiting for another visitor's measurement",
+            "waiting": "getting ready, or waiting for other visitors",
             "measuring": f"{busy or 0.0:.0%}",
         }.get(state, f"{state}: {why}" if why else state)
         text += f", with {before}" if busy is None and before != now else ""

@@ -15,7 +15,7 @@ from bokeh.models.glyphs import Line, Scatter
 from app.pages import Sheet
 from app.pages.notebook import laid_out, page_of
 from app.service import tasks
-from app.service.pool import HEAVY, LATER
+from app.service.pool import HEAVY
 from app.views.plots import add_zero, blank, draw
 from solver import load_path
 from solver.text import counted
@@ -33,6 +33,7 @@ FREE = {  # parameters that can be free: label, unit, whether it is free at firs
 }
 PARTS = {"F_bar": ("measured", "fitted"), "L_bar": ("load", "fitted_load")}  # parts of the figure, per quantity
 LONG = 120.0  # s, time limit of a fit
+HOW = {"rank": HEAVY, "seconds": LONG, "private": True}
 SEEDS = 2**32  # number of seeds of example data
 LOST = f"the server could not compute it within {LONG:g} s. Free fewer parameters, start nearer, or thin out the data"
 NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # true values that example data do not change
@@ -93,15 +94,13 @@ class Page(Sheet):
         what, scene = values.get("what"), self.session.scene
         if "text" in values:
             self.publish(busy=None, texts={"fit-text": "Reading the file …"})
-            self.single.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, rank=LATER)
+            self.single.ask((tasks.measured_curve, values["text"], scene), self.take_measurement, private=True)
         elif what == "example":
             call, seed = tasks.made_up_curve, randrange(SEEDS)
             made = tasks.made_up_scene(scene, seed)
             truth = {name: getattr(made, name, NEUTRAL.get(name)) for name in FREE}
             self.publish(busy=None, texts={"fit-text": "Generating example data …"})
-            self.single.ask(
-                (call, scene, seed), lambda made: self.take_measurement(made, truth), rank=HEAVY, seconds=LONG
-            )
+            self.single.ask((call, scene, seed), lambda made: self.take_measurement(made, truth), **HOW)
         elif what == "fit" and self.measured is not None:
             free = tuple(name for name in FREE if name in values.get("free", "").split(","))
             if not free:
@@ -110,7 +109,7 @@ class Page(Sheet):
                 return self.publish(texts={"fit-text": "The drive is rigid: give drive_t a number under Parameters."})
             text = f"Fitting, for up to {LONG:g} s. It continues while you look at other pages."
             self.publish(busy=0.0, texts={"fit-text": text})
-            self.single.ask((tasks.fitted, scene, self.measured, free), self._fitted, rank=HEAVY, seconds=LONG)
+            self.single.ask((tasks.fitted, scene, self.measured, free), self._fitted, **HOW)
         elif what == "cancel":
             self.close()
             self.publish(busy=None, texts={"fit-text": "Cancelled."})

@@ -16,8 +16,8 @@ from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
 from app.pages.notebook import shown
-from app.service import tasks
-from app.service.skeletons import skeletons
+from app.service import metrics, tasks
+from app.service.cache import Cache
 from app.views.plots import blank, draw, draw_image
 from solver import SceneError
 from solver.analysis.maps import REGIMES, Axis, Map, Point
@@ -42,6 +42,9 @@ QUANTITIES = {  # of a Point: label and unit
     "reattached": ("share reattached", ""),
     "L_min": ("load L at pull-off", "N/m"),
 }
+# Pickled Skeletons by Scene, for all visitors: 200 MB. Without one nearby, a point of a map needs a full run
+skeletons = Cache(200e6)
+metrics.gauge("skeletons_bytes", "bytes of the states of maps in the cache", lambda: skeletons.currsize)
 MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map

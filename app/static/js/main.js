@@ -12,7 +12,7 @@ import * as inputs from "./inputs.js"
 import { connectInside } from "./inside.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
-import { unpackLater } from "./packed.js"
+import { inflateLater, unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
 import { place } from "./sliders.js"
@@ -46,7 +46,7 @@ export function start({ wire, figures, slots, declarations, index }) {
   pages.connect(plain(slots)) // their figures are painted with the same picture
   connectSlips()
   channel.take("run", player.receive, unpackLater)
-  channel.take("picture", player.follow)
+  channel.take("picture", player.follow, inflateLater)
   channel.take("status", status.heard)
   channel.take("page", pages.receive, pages.read)
   player.connectStored()

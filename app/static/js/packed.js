@@ -5,13 +5,19 @@
 export async function unpackLater({ body, ...message }) {
   const length = new DataView(body).getUint32(0, true), rest = new Uint8Array(body, 4 + length)
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(body, 4, length)))
-  const stream = new Blob([rest]).stream().pipeThrough(new DecompressionStream("deflate"))
-  const planes = new Uint8Array(await new Response(stream).arrayBuffer()), { kept } = head
+  const planes = new Uint8Array(await inflated(rest)), { kept } = head
   const curves = curvesOf(planes, head.columns.length, head.frames), behind = planes.subarray(curves.byteLength)
   const [frames, nodes] = kept ? [kept.frames.length, kept.nodes.length] : [head.frames, head.nodes]
   const fields = fieldsOf(behind, frames, nodes)
   return { ...message, ...chunkOf(head, curves, kept ? filledIn(fields, kept, head) : fields) }
 }
+
+// What was deflated, an ArrayBuffer, in a while
+const inflated = (bytes) =>
+  new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer()
+
+// The message of a picture with its body inflated, in a while
+export const inflateLater = async ({ body, ...message }) => ({ ...message, body: await inflated(body) })
 
 const named = (names, numbers, size) =>
   Object.fromEntries(names.map((name, k) => [name, numbers.subarray(k * size, (k + 1) * size)]))

@@ -34,16 +34,14 @@ export function receive(chunk) {
 function replaced(chunk) {
   if (coming?.number !== chunk.run) coming = new Run(chunk.run, chunk.head)
   coming.add(chunk)
-  if (!coming.whole && standsIn(me.run, chunk.run)) return false
+  if (!coming.whole && standsIn(me.run, chunk)) return false
   begin(coming)
   return true
 }
 
-// Whether a run on screen stands in for the one with this number
-function standsIn(run, number) {
-  if (run?.stored) return !me.stale
-  const streamed = me.status.run === number && me.status.state === "running" // of a scene that no prediction is for
-  return Boolean(run?.followed) && !streamed
+// Whether a run on screen stands in for the one of a chunk
+function standsIn(run, { state }) {
+  return run?.stored ? !me.stale : Boolean(run?.followed) && state === "refining"
 }
 
 // A picture of where the hand is, or was a moment ago; first the server hears where it is now

@@ -22,9 +22,10 @@ export function connect() {
   view(["run", "status", "playing", "lost"], tellState)
 }
 
-export function heard(status) {
+// news: what has changed of the status
+export function heard(news) {
   const old = me.status
-  me.status = status
+  me.status = { ...old, ...news }
   acknowledged(me.status.acknowledged)
   sendNext()
   if (me.waiting.length) return // it was sent before the server heard of another scene

@@ -1,0 +1,30 @@
+"""What this app uses of a Bokeh document beyond its documentation (Bokeh 3.9); tests/app/test_document.py guards it.
+
+The message event is documented, but not that the callbacks of a document send it. `doc.models.freeze` is internal.
+"""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Any
+
+from bokeh.document import Document
+from bokeh.document.events import MessageSentEvent
+
+
+def send(doc: Document, kind: str, content: dict[str, Any]) -> None:
+    """Send a message to the browser of a document, {"kind": kind, ...}; values are those of JSON, or bytes."""
+    doc.callbacks.trigger_on_change(MessageSentEvent(doc, "message", {"kind": kind} | content))
+
+
+def frozen(doc: Document) -> AbstractContextManager[None]:
+    """Return a context in which models are added and removed; Bokeh then collects them once."""
+    return doc.models.freeze()
+
+
+def later(doc: Document, call: Callable[[], object]) -> None:
+    """Make a call under the lock of a document; any thread may call this. A destroyed document makes no call."""
+    try:
+        doc.add_next_tick_callback(call)
+    except AttributeError:
+        if hasattr(doc.callbacks, "_change_callbacks"):  # a destroyed document has lost them
+            raise

@@ -1,0 +1,301 @@
+"""Jobs: calls to the workers, made part by part. Equal calls are one job, and results are cached for all visitors.
+
+A coroutine awaits a job by two methods of `jobs`:
+
+    found = await jobs.result(function, *arguments, owner=visitor)
+    async for part in jobs.parts(function, *arguments, owner=visitor): ...
+
+`function` is a pure, importable function of picklable arguments, and `owner` is anything that stands for the visitor,
+such as id(document). Both raise the job's exception. Cancelling the coroutine leaves the job, and a job that nobody
+needs is cancelled. A function returns its result; or a `Part`, and is called again with the state of it; or, with
+streams=True, it is a generator: then its items are the parts, and its return value is the result.
+
+In a session, `Jobs.start` calls back instead: see `app/service/requests.py` and `app/session/pursuit.py`.
+"""
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Iterable
+from concurrent.futures import CancelledError
+from contextlib import aclosing, suppress
+from functools import partial, reduce
+from operator import add
+from threading import RLock
+from typing import Any
+
+from app.service import metrics
+from app.service.cache import Cache, size_of
+from app.service.pool import HEAVY, LATER, NOBODY, Pool
+from app.service.pool import pool as shared_pool
+from app.service.worker import Part, compute
+from solver import Scene
+from solver.continuation.state import OutOfTime
+from solver.isolated import Lost
+
+CAPACITY = 150e6  # bytes of cached results, about 70 runs and the tables of all pages
+LARGEST = 10e6  # bytes of one cached result: a larger one would displace many that others need
+ATTEMPTS = 3  # attempts at a part that loses its worker or takes too long, before the job fails
+MOST = 8  # jobs in the background that a visitor has in the pool at once; the others wait here
+ERROR = RuntimeError("the server could not compute it; its log says why")
+Notify = Callable[["Job"], None]
+
+
+class Job:
+    """A call in progress or ended; `parts`: what has come so far.
+
+    result: the sum of all parts, or an Exception, once the job is done. lost: parts that were repeated.
+    """
+
+    def __init__(self, call: tuple[Any, ...], owner: object, rank: int, seconds: float, begin: tuple = ()) -> None:
+        self.call, self.owner, self.rank, self.seconds = call, owner, rank, seconds
+        self.parts: list[Any] = []
+        self.result: Any = None
+        self.lost = 0
+        self.listeners: dict[Notify, bool] = {}  # whether each wants a further part
+        self.task: Any = None  # the part in the pool, or None
+        self.state = begin  # further arguments of the next part
+        self.begun = self.done = self.shared = self.streams = self.heavy = False
+
+
+class Jobs:
+    """The jobs of one pool, and the cache of their results. Its methods may be called in any thread."""
+
+    def __init__(self, pool: Pool, capacity: float = CAPACITY) -> None:
+        self.pool, self._lock = pool, RLock()
+        self.results = Cache(capacity)  # (call, result) by call
+        self._shared: dict[tuple, Job] = {}  # jobs in progress by call
+        self._background: dict[object, deque[Job]] = {}  # jobs in the background by owner, in order
+
+    def start(
+        self,
+        call: tuple[Any, ...],
+        notify: Notify,
+        *,
+        owner: object,
+        rank: int = LATER,
+        seconds: float = 0.0,
+        private: bool = False,
+        streams: bool = False,
+        begin: tuple = (),
+    ) -> Job:
+        """Start a call (function, *arguments), or join the job that makes it already.
+
+        notify(job) is called in any thread when a part or the result has come; not if the result is cached: then the
+        job returned is done. rank, seconds: see `Pool.submit`. private: of this visitor only, and not cached. begin:
+        further arguments of the first part.
+        """
+        with self._lock:
+            if not private and (kept := self.results.get(call)) is not None:
+                return _ended(call, kept[1])
+            job = None if private else self._shared.get(call)
+            if job is None:
+                job = Job(call, owner, rank, seconds, begin)
+                job.streams, job.shared = streams, not private
+                if job.shared:
+                    self._shared[call] = job
+                if rank == LATER:
+                    self._background.setdefault(owner, deque()).append(job)
+            job.listeners[notify] = True
+            if rank < job.rank:
+                self._move_up(job, owner, rank)
+            if job.task is None and (job.begun or job.rank != LATER):
+                self._submit(job)
+            self._submit_next(owner)
+            return job
+
+    def leave(self, job: Job, notify: Notify) -> None:
+        """Stop listening to a job. Without listeners it is cancelled."""
+        with self._lock:
+            job.listeners.pop(notify, None)
+            if not job.listeners and not job.done:
+                self._forget(job)
+                self._abandon(job)
+
+    def pause(self, job: Job, notify: Notify) -> None:
+        """Wait with further parts until `resume`, unless another visitor needs them."""
+        job.listeners[notify] = False
+
+    def resume(self, job: Job, notify: Notify) -> None:
+        """Go on with a paused job."""
+        job.listeners[notify] = True
+        self.step(job)
+
+    def step(self, job: Job, *more: Any) -> None:
+        """Make one further part of a paused job; more: further arguments of it."""
+        with self._lock:
+            if job.task is None and not job.done:
+                self._submit(job, *more)
+
+    def clear(self) -> None:
+        """Drop all results and jobs, for tests."""
+        with self._lock:
+            for kept in (self.results, self._shared, self._background):
+                kept.clear()
+
+    async def parts(self, function: Callable, *arguments: Any, owner: object, **how: Any) -> AsyncIterator[Any]:
+        """Yield the parts of function(*arguments) as they come; how: as for `start`."""
+        seen = 0
+        async with aclosing(self._news(function, *arguments, owner=owner, **how)) as news:
+            async for job in news:
+                while seen < len(job.parts):
+                    seen += 1
+                    yield job.parts[seen - 1]
+
+    async def result(self, function: Callable, *arguments: Any, owner: object, **how: Any) -> Any:
+        """Return function(*arguments), computed by a worker; how: as for `start`."""
+        async with aclosing(self._news(function, *arguments, owner=owner, **how)) as news:
+            async for job in news:
+                if job.done:
+                    return job.result
+        return None
+
+    async def precompute(self, scenes: Iterable[Scene]) -> None:
+        """Compute runs one by one on workers that nobody needs, so that they are in the cache."""
+        with suppress(Lost, CancelledError):  # the pool has been closed
+            for scene in scenes:
+                await self.result(compute, scene, owner=NOBODY)
+
+    async def _news(self, *call: Any, owner: object, **how: Any) -> AsyncIterator[Job]:
+        """Yield the job of a call whenever it has news; raises its exception."""
+        loop, news = asyncio.get_running_loop(), asyncio.Event()
+
+        def notify(job: Job) -> None:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(news.set)
+
+        job = self.start(call, notify, owner=owner, **how)
+        try:
+            while not job.done:
+                await news.wait()
+                news.clear()
+                if not job.done:
+                    yield job
+        finally:
+            self.leave(job, notify)
+        if isinstance(job.result, Exception):
+            raise job.result
+        yield job
+
+    # The following methods run under the lock.
+
+    def _submit(self, job: Job, *more: Any) -> None:
+        """Submit the next part of a job."""
+        job.begun = True
+        how: dict[str, Any] = {"hear": partial(self._heard, job)} if job.streams else {}
+        rank = max(job.rank, HEAVY) if job.heavy else job.rank
+        how |= {"owner": job.owner, "rank": rank, "seconds": job.seconds}
+        job.task = self.pool.submit(*job.call, *(job.state or (None,) * bool(more)), *more, **how)
+        job.task.add_done_callback(partial(self._returned, job))
+
+    def _move_up(self, job: Job, owner: object, rank: int) -> None:
+        """Give a job the rank of a visitor who needs it sooner; its task is no longer in the queue."""
+        self._no_background(job)
+        job.owner, job.rank = owner, rank
+        if job.task is not None and not job.task.running():
+            self._abandon(job)
+
+    def _abandon(self, job: Job) -> None:
+        task, job.task = job.task, None
+        if task is not None:
+            self.pool.abandon(task, end=job.streams)
+
+    def _submit_next(self, owner: object) -> None:
+        """Submit jobs of a visitor in the background, up to MOST."""
+        for job in list(self._background.get(owner, ()))[:MOST]:
+            if not job.begun:
+                self._submit(job)
+
+    def _no_background(self, job: Job) -> None:
+        waiting = self._background.get(job.owner, deque())
+        if job in waiting:
+            waiting.remove(job)
+            if not waiting:
+                del self._background[job.owner]
+            self._submit_next(job.owner)
+
+    def _forget(self, job: Job) -> None:
+        if self._shared.get(job.call) is job:
+            del self._shared[job.call]
+        self._no_background(job)
+
+    # The following methods are called in the thread of a worker.
+
+    def _heard(self, job: Job, part: Any) -> None:
+        """Take an item of a generator."""
+        with self._lock:
+            job.parts.append(part)
+            listeners = list(job.listeners)
+        for notify in listeners:
+            notify(job)
+
+    def _returned(self, job: Job, task: Any) -> None:
+        """Take what a task has returned, or its error."""
+        with self._lock:
+            if job.task is not task:  # cancelled, or submitted again
+                return
+            job.task, made = None, _outcome(task)
+            if isinstance(made, Part):
+                self._continue(job, made)
+            elif _may_be_repeated(made) and job.lost + 1 < ATTEMPTS:
+                job.lost += 1
+                job.parts = [] if job.streams else job.parts
+                self._submit(job)
+            else:
+                self._finish(job, made)
+            listeners = list(job.listeners)
+        for notify in listeners:
+            notify(job)
+
+    def _continue(self, job: Job, part: Part) -> None:
+        job.state, job.heavy = (part.state,), part.heavy
+        if part.made is not None:
+            job.parts.append(part.made)
+            _count(part.made)
+        if any(job.listeners.values()):
+            self._submit(job)
+
+    def _finish(self, job: Job, made: Any) -> None:
+        job.done = True
+        if isinstance(made, BaseException) or job.streams:
+            job.result = made
+        else:
+            job.parts.append(made)
+            _count(made)
+            job.result = reduce(add, job.parts)
+        self._forget(job)
+        if job.shared and _is_final(job.result) and size_of(job.result) <= LARGEST:
+            self.results.put(job.call, (job.call, job.result))
+
+
+def _ended(call: tuple[Any, ...], result: Any) -> Job:
+    """Return the job of a cached result."""
+    job = Job(call, None, LATER, 0.0)
+    job.result, job.parts, job.done = result, [result], True
+    return job
+
+
+def _outcome(task: Any) -> Any:
+    """Return the result of a task, or its error. An error in the code is in the log only."""
+    try:
+        return task.result()
+    except (Exception, CancelledError) as error:
+        return ERROR if getattr(error, "kind", "") == "error" else error
+
+
+def _may_be_repeated(made: Any) -> bool:
+    """Whether another attempt may end in another way: the worker ended, or the machine was busy."""
+    return isinstance(made, OutOfTime) or getattr(made, "kind", "") == "crash"
+
+
+def _is_final(made: Any) -> bool:
+    """Whether the same call always ends like this."""
+    return not isinstance(made, (Lost, CancelledError, OutOfTime)) and not getattr(made, "failure", "")
+
+
+def _count(made: Any) -> None:
+    metrics.count("slices")
+    metrics.count("evaluations", getattr(made, "evaluations", 0))
+
+
+jobs = Jobs(shared_pool)
+metrics.gauge("cache_bytes", "bytes of cached results", lambda: jobs.results.currsize)

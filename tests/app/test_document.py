@@ -1,0 +1,33 @@
+"""What app/document.py uses of Bokeh beyond its documentation."""
+
+from bokeh.document import Document
+from bokeh.document.events import MessageSentEvent
+from bokeh.models import Div
+
+from app import document
+
+
+def test_a_message_is_an_event_of_the_document():
+    doc, sent = Document(), []
+    doc.on_change(sent.append)
+    document.send(doc, "film", {"frame": 3})
+    (event,) = sent
+    assert isinstance(event, MessageSentEvent) and event.msg_data == {"kind": "film", "frame": 3}
+
+
+def test_models_added_in_a_frozen_document_are_known_afterwards():
+    doc = Document()
+    with document.frozen(doc):
+        doc.add_root(Div(name="one"))
+        doc.add_root(Div(name="two"))
+    assert [doc.get_model_by_name(name).name for name in ("one", "two")] == ["one", "two"]
+
+
+def test_a_destroyed_document_makes_no_call_and_raises_nothing():
+    doc, calls = Document(), []
+    document.later(doc, lambda: calls.append(1))
+    (callback,) = doc.session_callbacks
+    callback.callback()
+    doc.callbacks.destroy()
+    document.later(doc, lambda: calls.append(2))
+    assert calls == [1]

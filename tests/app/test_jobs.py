@@ -1,0 +1,263 @@
+"""Jobs: shared between visitors, cancelled when unused, repeated after a lost worker, bounded for each visitor."""
+
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+
+import pytest
+from visitor import SHORT, NoPool, whole_run
+
+from app.service import worker
+from app.service.cache import size_of
+from app.service.jobs import MOST, Jobs
+from app.service.pool import HEAVY, LATER, SCREEN
+from app.service.requests import Requests
+from app.service.worker import Part
+from solver.isolated import Lost
+
+CALL = abs, -3
+
+
+class Visitor:
+    """A stand-in for a session: what is scheduled runs at once."""
+
+    def __init__(self, jobs):
+        self.jobs = jobs
+
+    def later(self, call):
+        call()
+
+
+@pytest.fixture
+def jobs():
+    return Jobs(NoPool())
+
+
+@pytest.fixture
+def tasks(jobs):
+    return jobs.pool.tasks
+
+
+@pytest.fixture
+def seen():
+    return []
+
+
+def requests(jobs, seen=None):
+    return Requests(Visitor(jobs), lambda call, result: seen is not None and seen.append(result))
+
+
+def test_equal_requests_of_visitors_are_computed_once(jobs, tasks, seen):
+    first, second, third = (requests(jobs, seen) for _ in range(3))
+    for each in (first, second):
+        each.add([CALL])
+    assert len(tasks) == 1 and first.part == 0.0
+    tasks[0].set_result(3)
+    assert seen == [3, 3] and first.part is None
+    third.add([CALL])
+    assert seen == [3, 3, 3] and len(tasks) == 1
+
+
+def test_a_shared_call_is_cancelled_when_its_last_visitor_leaves(jobs, tasks):
+    first, second = requests(jobs), requests(jobs)
+    for each in (first, second):
+        each.add([CALL])
+    first.cancel()
+    assert not tasks[0].cancelled()
+    second.cancel()
+    assert tasks[0].cancelled()
+
+
+def test_a_cancelled_request_receives_no_results(jobs, tasks, seen):
+    one, other = requests(jobs, seen), requests(jobs, seen)
+    for each in (one, other):
+        each.add([CALL])
+    one.cancel()
+    tasks[0].set_result(3)
+    assert seen == [3]
+
+
+def test_a_part_lost_with_its_worker_is_repeated_and_finally_reported(jobs, tasks, seen):
+    requests(jobs, seen).add([CALL])
+    for attempt in range(3):
+        assert len(tasks) == attempt + 1 and not seen
+        tasks[attempt].set_exception(Lost("crash", "gone"))
+    assert isinstance(seen[0], Lost)
+
+
+def test_the_result_is_the_sum_of_the_parts_and_each_call_has_the_state_of_the_one_before(jobs, tasks, seen):
+    job = jobs.start(CALL, lambda job: seen.append(list(job.parts)), owner="me")
+    for k in range(3):
+        tasks[k].set_result(Part(state=k, made=10**k))
+    tasks[3].set_result(1000)
+    assert [task.call for task in tasks] == [CALL, (*CALL, 0), (*CALL, 1), (*CALL, 2)]
+    assert seen == [[1], [1, 10], [1, 10, 100], [1, 10, 100, 1000]] and job.result == 1111
+
+
+def test_a_job_with_expensive_parts_ranks_behind_others_until_they_are_cheap_again(jobs, tasks):
+    jobs.start(CALL, lambda job: None, owner="me", rank=SCREEN)
+    for k, heavy in enumerate((False, True, True, False)):
+        tasks[k].set_result(Part(k, heavy=heavy))
+    assert [task.rank for task in tasks] == [SCREEN, SCREEN, HEAVY, HEAVY, SCREEN]
+
+
+def test_a_run_in_parts_equals_a_run_at_once(jobs, tasks, monkeypatch):
+    monkeypatch.setattr(worker, "BUDGET", 0.0)  # one increment each, behind the approach
+    job = jobs.start((worker.compute, SHORT), lambda job: None, owner="me")
+    while not job.done:
+        call, *arguments = tasks[-1].call
+        tasks[-1].set_result(call(*arguments))
+    whole = whole_run(SHORT)
+    assert len(tasks) > 1 and (job.result.frames, job.result.skeleton is None) == (whole.frames, False)
+    assert all(isinstance(task.call[2], bytes) for task in tasks[1:])
+
+
+def test_least_recently_used_results_are_dropped(tasks, jobs):
+    jobs.results = type(jobs.results)(2 * size_of(((abs, -1), 1)))
+    mine = requests(jobs)
+    for k in range(3):
+        mine.add([(abs, -k)])
+        tasks[k].set_result(k)
+    mine.add([(abs, 0)])
+    assert len(tasks) == 4
+
+
+def test_a_large_or_private_result_displaces_nothing_from_the_cache(jobs, tasks):
+    mine = requests(jobs)
+    mine.add([CALL])
+    tasks[0].set_result(3)
+    mine.add([("a large file",)])
+    tasks[1].set_result(bytes(30_000_000))
+    mine.add_one(("a file of mine",), lambda result: None, private=True)
+    tasks[2].set_result(b"1")
+    assert list(jobs.results) == [CALL]
+
+
+def test_equal_private_calls_are_not_shared(jobs, tasks):
+    for each in (requests(jobs), requests(jobs)):
+        each.add_one(CALL, lambda result: None, private=True)
+    assert len(tasks) == 2
+
+
+def test_a_visitor_has_a_limited_number_of_background_tasks(jobs, tasks, seen):
+    mine, other = requests(jobs, seen), requests(jobs)
+    mine.add([(abs, -k) for k in range(40)])
+    assert len(tasks) == MOST
+    other.add([(abs, -50)])
+    assert len(tasks) == MOST + 1  # of another visitor
+    mine.add_one((abs, -60), seen.append, rank=SCREEN)
+    assert len(tasks) == MOST + 2  # the screen does not wait for the background
+    for task in iter(lambda: next((task for task in tasks if not task.done()), None), None):
+        task.set_result(abs(task.call[1]))
+    assert sorted(seen) == [*range(40), 60]
+
+
+def test_a_cancelled_sweep_leaves_no_job(jobs, tasks):
+    mine = requests(jobs)
+    for k in range(1000):
+        mine.ask((abs, -k), lambda result: None)
+    mine.cancel()
+    assert all(task.cancelled() for task in tasks) and not jobs._shared and not jobs._background
+
+
+def test_a_background_job_moves_up_when_a_visitor_needs_it_on_the_screen(jobs, tasks, seen):
+    requests(jobs, seen).add([CALL])
+    assert tasks[0].rank == LATER
+    requests(jobs, seen).add_one(CALL, seen.append, rank=SCREEN)
+    assert tasks[0].cancelled() and tasks[1].rank == SCREEN
+    tasks[1].set_result(3)
+    assert seen == [3, 3]
+
+
+def test_a_paused_job_goes_on_while_another_visitor_needs_it(jobs, tasks):
+    first, second = (lambda job: None), (lambda job: None)
+    job = jobs.start(CALL, first, owner="one")
+    jobs.pause(job, first)
+    tasks[0].set_result(Part(1, 1))
+    assert len(tasks) == 1
+    jobs.step(job)
+    tasks[1].set_result(Part(2, 1))
+    assert len(tasks) == 2
+    jobs.start(CALL, second, owner="two")
+    tasks[2].set_result(Part(3, 1))
+    assert len(tasks) == 4 and len(job.parts) == 3
+
+
+def awaited(coroutine):
+    """The result of a coroutine; in a thread, as Playwright leaves a running loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result(60.0)
+
+
+def test_a_coroutine_awaits_parts_and_result_of_a_job(jobs, tasks):
+    async def collect():
+        async def made():
+            return [part async for part in jobs.parts(*CALL, owner="me")]
+
+        waiting = asyncio.create_task(made())
+        for result in (Part(1, 1), Part(2, 10), 100):
+            await asyncio.sleep(0)
+            tasks[-1].set_result(result)
+            await asyncio.sleep(0)
+        return await waiting, await jobs.result(*CALL, owner="me")
+
+    assert awaited(collect()) == ([1, 10, 100], 111)
+
+
+def test_cancelling_a_coroutine_cancels_its_job(jobs, tasks):
+    async def leave():
+        waiting = asyncio.create_task(jobs.result(*CALL, owner="me"))
+        await asyncio.sleep(0)
+        assert len(tasks) == 1
+        waiting.cancel()
+        await asyncio.wait([waiting])
+
+    awaited(leave())
+    assert tasks[0].cancelled() and not jobs._shared
+
+
+def test_a_coroutine_receives_the_exception_of_its_job(jobs, tasks):
+    async def fail():
+        waiting = asyncio.create_task(jobs.result(*CALL, owner="me"))
+        await asyncio.sleep(0)
+        tasks[0].set_result(ValueError("no curve"))
+        return await waiting
+
+    with pytest.raises(ValueError, match="no curve"):
+        awaited(fail())
+
+
+def items():
+    """A generator as a worker runs it."""
+    yield from (1, 2)
+    return "end"
+
+
+def test_items_of_a_generator_are_the_parts_of_its_job(jobs, tasks):
+    heard = []
+    job = jobs.start((items,), lambda job: heard.append(len(job.parts)), owner="me", streams=True)
+    for part in (1, 2):
+        tasks[0].hear(part)
+    tasks[0].set_result("end")
+    assert (job.parts, job.result, heard) == ([1, 2], "end", [1, 2, 2])
+
+
+@pytest.mark.slow
+def test_a_cancelled_generator_ends_with_its_process(pool):
+    from helpers import until
+
+    jobs, heard = Jobs(pool), []
+    lost = pool.replaced
+    job = jobs.start((endless,), heard.append, owner="me", streams=True, seconds=600.0)
+    until(lambda: heard)
+    jobs.leave(job, heard.append)
+    until(lambda: pool.replaced > lost and pool.ready == pool.size)
+
+
+def endless():
+    """A generator that never ends."""
+    from time import sleep
+
+    while True:
+        yield SimpleNamespace()
+        sleep(0.05)
