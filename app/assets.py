@@ -1,29 +1,62 @@
-"""Addresses of scripts and styles. Each has a hash of its content, so a browser requests a version only once.
+"""Addresses of scripts, styles and stored runs: ./app/VERSION/static/..., where VERSION is a hash of all these files.
 
-A browser caches such a file for a year (app/web.py). Modules import each other by plain names; the import map of the
-page has their addresses. All addresses are relative to the page, so a proxy may add any prefix.
+A browser caches such an address for a year (app/web.py). Modules import each other relatively, so they come from the
+same version. All addresses are relative to the page, so a proxy may add any prefix.
 """
 
 import gzip
 import hashlib
+import re
 from functools import lru_cache
 from pathlib import Path
 
 HERE = Path(__file__).parent
 STATIC, PAGES = HERE / "static", HERE / "pages"
+IMPORT = re.compile(r'(?:\bfrom|^import) "(\.[^"]+)"', re.M)  # of what a script needs at once
 
 
-def assets(page):
-    """Return {address: address with version} of every script, style and stored run, for the page at this address."""
-    folder = page.rstrip("/").rsplit("/", 1)[-1]
-    kinds = (".js", ".css", ".bin")
-    found = [path for path in STATIC.rglob("*") if path.suffix in kinds] + [*PAGES.glob("*/page.js")]
-    names = {path: f"./{folder}/{path.relative_to(HERE).as_posix()}" for path in sorted(found)}
-    return {name: f"{name}?v={content(path, path.stat().st_mtime_ns)[2]}" for path, name in names.items()}
+def root(page: str) -> str:
+    """Return the address of this folder's current version, relative to the page at this address."""
+    return f"./{page.rstrip('/').rsplit('/', 1)[-1]}/{version()}"
+
+
+def version() -> str:
+    """Return a hash of all files that a browser requests."""
+    found = sorted([*STATIC.rglob("*.*"), *PAGES.glob("*/page.js")])
+    return _version(tuple((path, path.stat().st_mtime_ns) for path in found))
+
+
+@lru_cache(2)
+def _version(files: tuple[tuple[Path, int], ...]) -> str:
+    tree = hashlib.sha256()
+    for path, changed in files:
+        tree.update(f"{path.relative_to(HERE).as_posix()} {content(path, changed)[2]}\n".encode())
+    return tree.hexdigest()[:16]
+
+
+def named(path: Path) -> str:
+    """Return the name of a file below `root`."""
+    return path.relative_to(HERE).as_posix()
+
+
+def styles() -> list[str]:
+    """Return the names of all styles."""
+    return [named(path) for path in sorted(STATIC.glob("*.css"))]
+
+
+def needed(script: Path) -> set[Path]:
+    """Return a script with all scripts that it imports at once."""
+    found, left = set(), {script}
+    while left:
+        path = left.pop()
+        found.add(path)
+        imported = IMPORT.findall(path.read_text(encoding="utf-8"))
+        left |= {(path.parent / name).resolve() for name in imported} - found
+    return found
 
 
 @lru_cache(200)
-def content(path, changed):
+def content(path: Path, changed: int) -> tuple[bytes, bytes, str]:
     """Return (content, compressed content, hash) of a file; changed: its time of modification, for the cache."""
     raw = path.read_bytes()
     return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]

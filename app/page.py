@@ -16,10 +16,9 @@ from bokeh.document import Document
 from bokeh.embed.elements import html_page_for_render_items
 from bokeh.embed.util import RenderItem
 from bokeh.models import CustomJS, Div
-from bokeh.server.views.static_handler import StaticHandler
+from bokeh.settings import settings
 
-from app import pages, schema
-from app.assets import assets
+from app import assets, pages, schema
 from app.document import frozen
 from app.glossary import forms
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
@@ -81,12 +80,11 @@ def _own(wire, slots):
 
 def shared(address):
     """Return the Shared for a page at this address, with the current scripts and styles."""
-    return _composed(tuple(assets(address).items()))
+    return _composed(assets.root(address))
 
 
 @lru_cache(2)
-def _composed(files):
-    files = dict(files)
+def _composed(root):
     doc, wire, figures, slots = Document(), Wire(), live_figures(), pages.places()
     (*_,) = _own(wire, slots)
     figures["punch"].tags = [wire]  # Bokeh synchronises only models that a root refers to
@@ -96,18 +94,22 @@ def _composed(files):
             doc.add_root(model)
     doc.title = TITLE
     doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
-    doc.js_on_event("document_ready", _player(wire, figures, slots, files))
+    doc.js_on_event("document_ready", _player(wire, figures, slots, root))
     doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
     text = json.dumps(doc.to_json(deferred=False), separators=(",", ":"), allow_nan=False)
-    page = re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', _html(doc, files))
-    return Shared(page, text, _stored(files))
+    page = re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', _html(doc, root))
+    return Shared(page, text, _stored(root))
 
 
-def _html(doc, files):
-    script = f'<script src="./static/{StaticHandler.append_version("js/bokeh.min.js")}"></script>'  # the only bundle
+def _html(doc, root):
+    bundle = Path(settings.bokehjs_path()) / "js" / "bokeh.min.js"  # the only one
+    known = assets.content(bundle, bundle.stat().st_mtime_ns)[2]
+    script = f'<script src="./static/js/bokeh.min.js?v={known}"></script>'
     item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
     values = {
-        "assets": files,
+        "root": root,
+        "styles": assets.styles(),
+        "scripts": sorted(map(assets.named, assets.needed(assets.STATIC / "js" / "main.js"))),
         "controls": CONTROLS,
         "values": {control.name: MARK.format(control.name) for control in CONTROLS},
         "drawer": drawer(),
@@ -139,16 +141,17 @@ def _grouped():
     return groups
 
 
-def _stored(files):
+def _stored(root):
     """Return {preset: address of its stored run}."""
-    return {Path(name).stem: address for name, address in files.items() if name.endswith(".bin")}
+    runs = sorted((assets.STATIC / "runs").glob("*.bin"))
+    return {path.stem: f"{root}/{assets.named(path)}" for path in runs}
 
 
-def _declarations(files):
+def _declarations(root):
     """Return the declarations of presets, nodes, terms and sliders that the browser needs."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
-        "stored": _stored(files),
+        "stored": _stored(root),
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "terms": forms(),
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
@@ -157,15 +160,15 @@ def _declarations(files):
     }
 
 
-def _player(wire, figures, slots, files):
+def _player(wire, figures, slots, root):
     """Return the callback that starts the browser's part of the app, with the models it changes."""
     return CustomJS(
         args={
             "wire": wire,
             "figures": figures,
             "slots": slots,
-            "declarations": json.dumps(_declarations(files)),
-            "main": next(name for name in files if name.endswith("/main.js")),
+            "declarations": json.dumps(_declarations(root)),
+            "main": f"{root}/static/js/main.js",
         },
         code="""
             const given = { wire, figures, slots, declarations, index: cb_context.index }

@@ -24,7 +24,9 @@ LESSON = 3600  # s, at least, during which an opened page may still connect
 BODY = 65_536  # bytes of a request's body; no page sends one
 BODY_TIME = 10.0  # s for a body
 IDLE = 30.0  # s for the headers of a request, and between two requests of a connection
-PAGE = [("/?", Page), ("/ws", MessageFilter), (r"/static/(.*)", Files), (r"/pages/(\w+/page\.js)", Scripts)]
+TREE = r"/(?:(?P<tree>[0-9a-f]{16})/)?"  # the hash of all files, see app/assets.py
+FILES = [(rf"{TREE}static/(?P<name>.*)", Files), (rf"{TREE}pages/(?P<name>\w+/page\.js)", Scripts)]
+PAGE = [("/?", Page), ("/ws", MessageFilter), *FILES]
 # Files of Panel that a page of plain Panel widgets, tables and plots loads.
 BUNDLED = "theme|bootstrap5|bootstraptemplate|datatabulator|font-awesome|reactiveesm"
 PANEL = rf"/static/extensions/panel/(panel\.min\.js|css/\w+\.css|bundled/(?:{BUNDLED})/.+\.(?:js|css|woff2))"

@@ -16,7 +16,7 @@ from bokeh.util.token import generate_jwt_token, generate_session_id
 from panel.io.server import DocHandler
 from tornado.web import RequestHandler, authenticated
 
-from app.assets import PAGES, STATIC, content
+from app.assets import PAGES, STATIC, content, version
 from app.environment import FRAMES, VISITORS
 from app.page import shared
 from app.service import metrics
@@ -163,12 +163,13 @@ class Page(Plain, DocHandler):
 
 
 class Files(Plain):
-    """Scripts and styles from memory, compressed once. A browser caches an address with a version for a year."""
+    """Scripts and styles from memory, compressed once. A browser caches an address with the right hash for a year."""
 
     def initialize(self, folder=STATIC, **_):
         self.folder = folder.resolve()
 
-    def get(self, name):
+    def get(self, name, tree=None):
+        """Answer with a file; tree: the hash of all files, see app/assets.py. `?v=` may give that of the file alone."""
         path = self.found(name)
         if path is None:
             return self.send_error(404)
@@ -176,8 +177,8 @@ class Files(Plain):
         kind = {".js": "text/javascript", ".css": "text/css"}.get(path.suffix) or mimetypes.guess_type(path.name)[0]
         self.set_header("Content-Type", f"{kind or 'application/octet-stream'}; charset=utf-8")
         self.set_header("Vary", "Accept-Encoding")
-        fresh = f"public, max-age={YEAR}, immutable" if self.get_argument("v", "") else "no-cache"
-        self.set_header("Cache-Control", fresh)
+        known = tree == version() if tree else self.get_argument("v", "") == self.tag
+        self.set_header("Cache-Control", f"public, max-age={YEAR}, immutable" if known else "no-cache")
         if "gzip" in self.request.headers.get("Accept-Encoding", ""):
             self.set_header("Content-Encoding", "gzip")
             raw = packed

@@ -20,6 +20,7 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 from bokeh.models import Column
 
 from app.document import frozen
@@ -90,9 +91,10 @@ class Sheet:
         self.single.cancel()
 
     def draw(self, slot, part, **columns):
-        """Replace data columns of a part of a figure."""
+        """Replace data columns of a part of a figure. Nothing is sent if they are the same."""
         source = self.views[slot].parts[part].data_source
-        source.data = dict(source.data) | columns
+        if not all(np.array_equal(source.data[name], values) for name, values in columns.items()):
+            source.data = dict(source.data) | columns
 
 
 class Pages:
@@ -156,6 +158,6 @@ class Pages:
 
     def _publish(self, page, news):
         """Send the news of a page, unless it is closed."""
-        page.published = page.published | news
-        if page is self.page:
+        before, page.published = page.published, page.published | news
+        if page is self.page and (page.published != before or not news):
             self.session.send("page", **page.published)

@@ -78,6 +78,29 @@ def test_interface_law_matches_the_solver_and_follows_the_scene(session):
         )  # 1/sqrt(2) for one spring, less for a lattice
 
 
+def test_a_step_of_the_press_depth_sends_nothing_of_an_unchanged_interface_law(session):
+    """It sent 212 kB."""
+    order(session, "hello")
+    order(session, "page", page="law")
+    events = []
+    session.doc.on_change(events.append)
+    order(session, "scene", delta_bar="0.21")
+    assert {event.msg_data["kind"] for event in events} == {"status"}
+    order(session, "scene", phi_ratio="0.5")
+    assert len(events) > 2
+
+
+def test_columns_that_are_the_same_are_not_sent_again(session):
+    order(session, "page", page="law")
+    page, events = session.pages.page, []
+    data = page.views["opening"].parts["np1"].data_source.data
+    session.doc.on_change(events.append)
+    page.draw("opening", "np1", gap=data["gap"].copy(), value=data["value"])
+    assert events == []
+    page.draw("opening", "np1", gap=data["gap"], value=2.0 * data["value"])
+    assert len(events) == 1
+
+
 def test_interface_law_page_shows_both_laws_and_explains_overlap(session):
     order(session, "page", page="law")
     for name, words in (("np1", "grows where the surfaces overlap"), ("xu-needleman", "changes sign below")):

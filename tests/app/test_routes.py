@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from app.routes import FILES
+
 ROOT = Path(__file__).parents[2]
 # The commands of Panel and Bokeh build the server; where they would wait for visitors, this prints what was built.
 LOOK = """
@@ -30,8 +32,7 @@ main([command, *sys.argv[1:]])
 SERVED = [
     ("/app/?$", "app.web"),
     ("/app/ws$", "app.session.message_filter"),
-    ("/app/static/(.*)$", "app.web"),
-    (r"/app/pages/(\w+/page\.js)$", "app.web"),
+    *((f"/app{route}$", "app.web") for route, _ in FILES),
     ("/?$", "app.web"),
     ("/metrics$", "app.web"),
     ("/liveness$", "app.web"),
@@ -41,7 +42,7 @@ SERVED = [
 BOKEH = ["/favicon.ico$", "/app/static/(.*)$"]
 PANEL = [*BOKEH, "/components/(.*)$"]
 OPTIONS = "--liveness --admin --basic-auth secret --cookie-secret secret --static-dirs tests=tests"
-ADMIN = [f"/admin{route}" for route in ("/?$", "/ws$", "/static/(.*)$", r"/pages/(\w+/page\.js)$")]
+ADMIN = [f"/admin{route}$" for route in ("/?", "/ws", *(route for route, _ in FILES))]
 
 
 def routes_of(*command):

@@ -5,6 +5,7 @@ import gzip
 import http.client
 import json
 import logging
+import os
 import random
 import re
 import socket
@@ -33,7 +34,7 @@ from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
 
-from app import page, routes, server_log, web
+from app import assets, page, routes, server_log, web
 from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
@@ -291,15 +292,38 @@ def test_security_headers_restrict_sources_and_framing(address, monkeypatch):
 
 def test_scripts_are_compressed_and_cached(address):
     body = get(f"{address}/app")[2].decode()
-    found = re.findall(r'<script[^>]* src="\./([^"]+)"', body) + re.findall(r'href="\./([^"]+\.css\?[^"]+)"', body)
-    assert len(found) > 1
+    found = re.findall(r'<(?:script|link)[^>]* (?:src|href)="\./([^"]+)"', body)
+    assert len(found) > 30
     for name in found:
         status, headers, packed = get(f"{address}/{name}", **{"Accept-Encoding": "gzip"})
         assert status == 200 and headers["Content-Encoding"] == "gzip" and "immutable" in headers["Cache-Control"]
         plain = get(f"{address}/{name}")
         assert "Content-Encoding" not in plain[1] and gzip.decompress(packed) == plain[2]
         assert get(f"{address}/{name}", **{"If-None-Match": headers["Etag"]})[0] == 304
-    assert get(f"{address}/app/static/style.css")[1]["Cache-Control"] == "no-cache"  # without a version
+    for name in ("app/static/style.css", f"app/{'0' * 16}/static/style.css", "static/js/bokeh.min.js?v=anything"):
+        assert get(f"{address}/{name}")[1]["Cache-Control"] == "no-cache"  # without the version, or of another one
+
+
+def test_only_scripts_that_the_page_needs_at_once_are_preloaded(address):
+    body = get(f"{address}/app")[2].decode()
+    preloaded = set(re.findall(r'rel="modulepreload" href="\./app/\w{16}/static/js/([^"]+)"', body))
+    assert {"main.js", "player.js", "packed.js"} <= preloaded
+    assert not [name for name in preloaded if "/" in name or name == "tour.js"]  # loaded when asked for
+    assert b"importmap" not in body.encode()
+
+
+def test_the_version_of_the_files_changes_with_any_of_them(monkeypatch, tmp_path):
+    monkeypatch.setattr(assets, "HERE", tmp_path)
+    monkeypatch.setattr(assets, "STATIC", tmp_path / "static")
+    monkeypatch.setattr(assets, "PAGES", tmp_path / "pages")
+    script = tmp_path / "static" / "js" / "a.js"
+    script.parent.mkdir(parents=True)
+    seen = set()
+    for text in ("one", "other"):
+        script.write_text(text, encoding="utf-8")
+        os.utime(script, ns=(len(text), len(text)))
+        seen.add(assets.version())
+    assert len(seen) == 2
 
 
 @pytest.mark.parametrize(

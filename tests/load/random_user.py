@@ -47,7 +47,7 @@ PICK = f"""([what, part]) => {{
 }}"""
 WRONG = """async () => {
     // what the page says against itself, at rest
-    const of = (name) => import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+    const of = (name) => import(new URL(`./js/${name}.js`, document.querySelector('link[href$="/style.css"]').href))
     const [{ nowSentence }, { parts }, { drawnBy }] = await Promise.all(['sentence', 'figures', 'bokeh'].map(of))
     const wrong = [], { run, status, drawn } = punch, by = (id) => document.getElementById(id)
     const differ = (what, a, b) => { if (`${a}` !== `${b}`) wrong.push(`${what}: ${a} against ${b}`) }

@@ -57,7 +57,7 @@ class Tabs:
 MODULES = """(names) => {
     window.modules ??= {}
     for (const name of names) {
-        const script = import(new URL(`./app/static/js/${name}.js`, document.baseURI))
+        const script = import(new URL(`./js/${name}.js`, document.querySelector('link[href$="/style.css"]').href))
         script.then((module) => { modules[name] = module })
     }
     return names.every((name) => name in modules)

@@ -21,6 +21,7 @@ FIGURES = "shear_map", "normal_map", "shear_law", "normal_law", "opening"
 OFFSET, GAP = "slip distance from the nearest site (nm)", "gap (nm)"
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # range of gaps, in delta_n
+PARAMETERS = ("law", "phi_n", "phi_ratio", "delta_n", "delta_t", "spacing")  # of the interface law
 OVERLAP = -1.6  # delta_n; below -1 the resistance to shear of Xu & Needleman's law changes sign
 
 
@@ -71,11 +72,17 @@ def figure(scene):
 
 
 class Page(Sheet):
-    """The page of one visitor; see app/pages."""
+    """The page of one visitor; see app/pages. `drawn`: the PARAMETERS of the law that is drawn."""
+
+    drawn = None
 
     def scene_changed(self):
-        """Draw the law of the scene."""
+        """Draw the law of the scene, unless it is the one that is drawn."""
         scene = self.session.scene
+        law = [getattr(scene, name) for name in PARAMETERS]
+        if law == self.drawn:
+            return
+        self.drawn = law
         a, d_n, d_t = scene.spacing, scene.delta_n, scene.delta_t
         s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE + 1), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE + 1)
         middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (s, gap)]  # centres of pixels: T_t is 0 at the borders
