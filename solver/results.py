@@ -21,6 +21,7 @@ from .following.from_run import skeleton_of
 from .following.skeleton import Skeleton
 from .isolated import Lost, outcomes
 from .run.frame import Frame, slides_in
+from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
 from .run.loadpath import load_path
 from .run.summary import curves_of, fields_of, least_force, values_of
@@ -193,16 +194,20 @@ class Result:
         return "".join(f"<p>{escape(line)}</p>" for line in self._lines) + _curve(self.scene, self._after)
 
 
-def simulate(scene: Scene | None = None, progress: bool = False) -> Result:
+def simulate(scene: Scene | None = None, progress: bool = False, load: float | None = None) -> Result:
     """Computes one scene from approach to the end of its path.
 
-    Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error.
+    Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error; load: the normal
+    load (N/m) to hold during the shear, in place of delta_bar and hold. `result.scene` has the indentation found.
     Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, and `failure` has the
     reason and a remedy.
+    Raises SceneError for a load that the approach does not reach.
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
     scene = scene or Scene()
+    if load is not None:
+        scene = held_at(scene, load)
     path = load_path(scene)
     return Result(scene, *collected(with_progress(scene, path) if progress else path))
 

@@ -11,6 +11,7 @@ from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
 from ..files import report_of, write_csv, write_json, write_npz
 from ..results import Result, with_progress
+from ..run.held_load import held_at
 from ..text import counted
 from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_plot, caution, write
 
@@ -27,6 +28,8 @@ def add_run(commands: Any) -> None:
     text = "Computes one experiment: the approach, then the shear or another path. Prints the first slip."
     parser = add_command(commands, "run", run, "compute one experiment", text)
     parser.add_argument("--method", choices=METHODS, default="fast", help="default fast; gfmd is the slower reference")
+    load = "hold this normal load during the shear, in place of delta_bar and hold; negative for a pull"
+    parser.add_argument("--load", type=float, metavar="N/m", help=load)
     add_file(parser, "csv", "the curves: a row per increment")
     add_file(parser, "npz", "curves and fields of the increments after the approach")
     add_file(parser, "json", "scene, version, method and summary, for `verify`")
@@ -38,6 +41,9 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
+    if arguments.load is not None:
+        scene = held_at(scene, arguments.load)
+        print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {arguments.load:g} N/m")
     before = cautions(scene)
     caution(before)
     start = perf_counter()

@@ -76,7 +76,7 @@ FUNCTIONS = [name for name in solver.__all__ if inspect.isroutine(getattr(solver
 CLASSES = [name for name in solver.__all__ if inspect.isclass(getattr(solver, name))]
 CLASSES = [name for name in CLASSES if not issubclass(getattr(solver, name), Exception)]
 # They raise no error of their own.
-SAFE = {"simulate", "summarize", "whole_surface", "work_of"}
+SAFE = {"summarize", "whole_surface", "work_of"}
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

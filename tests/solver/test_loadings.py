@@ -8,7 +8,7 @@ import pytest
 from helpers import same, stage
 from spectrum import growth
 
-from solver import NotConverged, Scene, SceneError, advance, load_path
+from solver import NotConverged, Scene, SceneError, advance, load_path, simulate
 from solver.mechanics.cohesive_law import traction
 from solver.mechanics.layer import Modes
 from solver.run.load_steps import load_steps_of
@@ -326,3 +326,20 @@ def test_too_large_a_tension_detaches_the_contact_and_is_reported(method):
         frames += more
     assert checkpoint.failure == str(caught.value)
     assert any(f.stage == "shear" for f in frames) and all(f.residual <= scene.tolerance for f in frames)
+
+
+def test_a_load_in_newton_per_metre_is_held():
+    """It is the one that hold='load' holds at the indentation found."""
+    small = Scene(nodes=64, width=160.0, radius=0.6, E=30.0, u_x_max=2.0, du_z=0.5)
+    for load in (20.0, -5.0):
+        result = simulate(small, load=load)
+        shear = [frame.L for frame in result.frames if frame.stage == "shear"]
+        assert shear == pytest.approx([load] * len(shear), rel=1e-6) and result.scene.hold == "load"
+        assert result.scene == small.changed(hold="load", delta_bar=result.scene.delta_bar)
+
+
+@pytest.mark.parametrize("load", [-1e4, 1e9, float("nan"), "heavy"])
+def test_a_load_that_the_approach_does_not_reach_is_refused(load):
+    small = Scene(nodes=16, width=40.0, radius=0.6, E=30.0, u_x_max=2.0, du_z=1.0, height=0.3)
+    with pytest.raises(SceneError, match=r"load = .*: allowed: .* N/m, .*; give "):
+        simulate(small, load=load)
