@@ -24,7 +24,7 @@ from .run.frame import Frame, slides_in
 from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
 from .run.loadpath import load_path
-from .run.summary import curves_of, fields_of, least_force, values_of
+from .run.summary import curves_of, fields_of, kind_of, least_force, values_of
 from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from .text import counted
 from .threads import one_thread
@@ -86,7 +86,12 @@ class Result:
     def _slip(self, frame, event, least):
         """A SlipEvent of a Frame as a row of `slips`."""
         U_s, delta_s = slip_at(self.scene, frame, event)
-        row = {"stage": event.stage, "delta_s (nm)": delta_s, "kind": event.kind, "sensitive": event.sensitive}
+        row = {
+            "stage": event.stage,
+            "delta_s (nm)": delta_s,
+            "kind": kind_of(frame, event),
+            "sensitive": event.sensitive,
+        }
         return row | dict(zip(FIRST, _first(frame, event, least)._replace(U_s=U_s), strict=True))
 
     @property

@@ -88,7 +88,17 @@ def values_of(frame: Frame, event: SlipEvent, least: float = 0.0) -> dict[str, A
     """A SlipEvent of a Frame by plain names: stage, U_x or delta (nm), F, L (N/m), A (nm), kind, located, sensitive."""
     forces = {"F": cleared(event.F_bar * frame.unit, least), "L": cleared(event.L_bar * frame.unit, least)}
     where = {"stage": event.stage, moving(event.stage): event.load} | forces | {"A": event.A_bar * frame.scene.width}
-    return where | {"kind": event.kind, "located": event.located, "sensitive": event.sensitive}
+    return where | {"kind": kind_of(frame, event), "located": event.located, "sensitive": event.sensitive}
+
+
+def kind_of(frame: Frame, event: SlipEvent) -> str:
+    """The kind of a SlipEvent of a Frame: "pull-off" where a retraction parts the surfaces, else that of the end.
+
+    They are apart where every gap is beyond the peak of adhesion, at delta_n.
+    """
+    gap = frame.scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
+    apart = kind(event.stage) == "unload" and event is frame.slips[-1] and gap.min() > frame.scene.delta_n
+    return "pull-off" if apart else event.kind
 
 
 def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:

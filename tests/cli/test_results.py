@@ -93,6 +93,8 @@ def test_slips_of_a_retraction_have_their_indentation():
     off = cycle.slips[cycle.slips["stage"] == "unload"].iloc[-1]
     events = [event for frame in cycle.frames for event in frame.slips if event.stage == "unload"]
     assert (off["U_s (nm)"], off["delta_s (nm)"]) == (0.0, events[-1].load)
+    assert off["kind"] == "pull-off" and cycle.table["L (N/m)"].min() <= off["L_s (N/m)"] < 0.0
+    assert (cycle.slips["kind"] == "pull-off").sum() == 1
     oblique = simulate(SMALL.changed(path="points", points="0,-1; 0,0.1; 10,0.2"))
     last = oblique.slips.iloc[-1]
     assert last["delta_s (nm)"] == pytest.approx(1.0 + last["U_s (nm)"] * 0.1)  # 1 nm deeper in 10
