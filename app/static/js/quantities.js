@@ -8,6 +8,7 @@ export const fixed = (value, places) => minus((Math.round(value * 10 ** places) 
 const SPOKEN = {
   nm: "nanometres", "N/m": "newtons per metre", GPa: "gigapascals", "MPa/nm": "megapascals per nanometre",
 }
+const DECIMALS = 4 // of a number in three digits: what is smaller is round-off
 const length = (symbol, places = 1) => ({ symbol, unit: "nm", places })
 const force = (symbol) => ({ symbol, unit: "N/m" })
 const QUANTITIES = { // {symbol, unit, places: of its numbers, else three digits; given: as it was entered}
@@ -27,7 +28,8 @@ const quantityOf = (name) => QUANTITIES[name] ?? { symbol: name, unit: "", given
 
 export function number(name, value) {
   const { places, given } = quantityOf(name)
-  return given ? minus(value) : places === undefined ? digits(value) : fixed(value, places)
+  if (given) return minus(value)
+  return places === undefined ? digits(Number(value.toFixed(DECIMALS))) : fixed(value, places)
 }
 const followed = (text, unit) => (unit ? `${text} ${unit}` : text)
 export const withUnit = (name, value) => followed(number(name, value), quantityOf(name).unit)
