@@ -34,7 +34,8 @@ export function receive(news) {
 
 export function opened() {
   pointed = null
-  for (const name of ["tap", "pan"]) onEvent(figures.regimes_map, name, ({ x, y }) => steer(valuesAt([x, y])))
+  const drags = matchMedia("(pointer: coarse)").matches ? [] : ["pan"] // a finger that moves scrolls the page
+  for (const name of ["tap", ...drags]) onEvent(figures.regimes_map, name, ({ x, y }) => steer(valuesAt([x, y])))
   for (const name of ["tap", "panend"]) onEvent(figures.regimes_map, name, letGo)
   onEvent(figures.regimes_map, "mousemove", ({ x, y }) => { pointed = { x, y }; readOut() })
   onEvent(figures.regimes_map, "mouseleave", () => { pointed = null; readOut() })
