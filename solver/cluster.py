@@ -1,16 +1,24 @@
-"""Calls on a dask cluster, in place of processes of this machine; the extra `cluster` is needed on every worker too."""
+"""Workers of a dask cluster, in place of processes of this machine, for commands and for the app.
+
+This needs the extra `cluster`, and workers with one thread each that have the same version of this project. A call goes
+to one worker, which stays warm. A call that takes too long is abandoned; a nanny, if there is one, restarts the worker.
+Whoever reaches a scheduler at tcp:// can run code on it and on its workers: use it in a trusted network only, else tls://.
+"""
 
 from collections.abc import Callable
+from contextlib import suppress
+from math import inf
 from queue import Empty, SimpleQueue
-from time import monotonic
+from threading import RLock, Thread
+from time import sleep
 from traceback import format_exception
 from typing import Any
+from uuid import uuid4
 
 from .isolated import TRACEBACK, Lost
 
-PATIENCE = 10.0  # s for the scheduler to answer; on a local network it takes milliseconds
-LOOK = 1.0  # s between two checks that the scheduler is still there
-LOST = "scheduler {}: was lost; start it, and run again"
+LOOK = 1.0  # s between two checks for workers that left
+PATIENCE = 5.0  # s for the scheduler to answer; on a local network it takes milliseconds
 
 
 class ClusterError(RuntimeError):
@@ -18,62 +26,145 @@ class ClusterError(RuntimeError):
 
 
 class Cluster:
-    """The workers of the scheduler at `address`, used as `isolated.Processes`; raises ClusterError.
+    """Connection to a cluster. A call returns a Remote for a free worker; it reconnects if necessary.
 
-    Dask repeats the calls of a lost worker on another. If no result arrives for `limit` s, the remaining calls are Lost
-    as 'hang'.
+    Raises ClusterError without dask.
     """
 
-    def __init__(self, call: Callable, address: str, limit: float) -> None:
+    why = "the cluster cannot be reached, or has no worker; the server continues as soon as a worker is there"
+
+    def __init__(self, address: str) -> None:
         try:
             from distributed import Client
         except ImportError:
-            raise ClusterError('scheduler: dask is missing; pip install -e ".[cluster]"') from None
+            raise ClusterError('scheduler: dask is missing; pip install "mixed-mode-contact[cluster]"') from None
+        self.connect = Client
+        self.address, self.client, self.lock = address, None, RLock()
+        self.remotes: dict[str, Remote] = {}
+
+    def count(self) -> int:
+        """The number of workers; raises ClusterError where there is none."""
         try:
-            self._client = Client(address, timeout=PATIENCE, set_as_default=False)
-        except (OSError, ValueError):
-            raise ClusterError(f"scheduler {address}: cannot be reached; give tcp://host:8786") from None
-        self.count = len(self._client.ncores())
-        if not self.count:
-            self._client.close()
-            raise ClusterError(f"scheduler {address}: no worker there; dask worker {address} --nthreads 1")
-        self._call, self._address, self._patience = call, address, limit
-        self._hang = Lost("hang", f"no answer of the cluster within {limit:g} s")
-        self._ended: SimpleQueue[Any] = SimpleQueue()
-        self._waiting: dict[Any, tuple[int, Any]] = {}  # {key: (index, future)}: dask gives up what nobody refers to
+            count = len(self._workers())
+        except Exception:  # of any kind, from sockets to handshakes
+            self.close()
+            raise ClusterError(f"scheduler {self.address}: cannot be reached; give tcp://host:8786") from None
+        if not count:
+            self.close()
+            raise ClusterError(f"scheduler {self.address}: no worker there; dask worker {self.address} --nthreads 1")
+        return count
 
-    def __enter__(self) -> "Cluster":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._client.close()
-
-    def submit(self, index: int, item: Any) -> None:
-        """Makes call(item) as soon as a worker is free."""
-        future = self._client.submit(self._call, item, pure=False)
-        self._waiting[future.key] = index, future
-        future.add_done_callback(self._ended.put)
-
-    def completed(self) -> tuple[int, Any]:
-        """(index, result or Lost) of the call that ends next."""
-        end = monotonic() + self._patience
-        while (left := end - monotonic()) > 0.0:
+    def __call__(self) -> "Remote":
+        """A Remote for a worker that has none; raises Lost of the kind 'absent'."""
+        with self.lock:
             try:
-                future = self._ended.get(timeout=min(LOOK, left))
-            except Empty:
-                if self._client.status != "running":
-                    raise ClusterError(LOST.format(self._address)) from None
-                continue
-            if future.status not in ("finished", "error"):
-                raise ClusterError(LOST.format(self._address))
-            index, _ = self._waiting.pop(future.key)
-            return index, future.result() if future.status == "finished" else _lost(future.exception())
-        self._patience = 0.0
-        index, _ = self._waiting.pop(next(iter(self._waiting)))
-        return index, self._hang
+                free = [worker for worker in self._workers() if worker not in self.remotes]
+            except Exception as error:
+                self.close()
+                raise Lost("absent", f"the cluster cannot be reached: {error}") from None
+            if not free:
+                raise Lost("absent", "no worker is free")
+            self.remotes[free[0]] = remote = Remote(self, self.client, free[0])
+            return remote
+
+    def left(self, remote: "Remote") -> None:
+        """Free the worker of a Remote."""
+        with self.lock:
+            if self.remotes.get(remote.worker) is remote:
+                del self.remotes[remote.worker]
+
+    def _workers(self):
+        """Return the addresses of all workers of the scheduler."""
+        if self.client is None:
+            self.client = self.connect(self.address, timeout=PATIENCE, set_as_default=False)
+            Thread(target=self._watch, args=(self.client,), name="cluster", daemon=True).start()
+        if self.client.status != "running":
+            raise OSError("the connection is lost")
+        return list(self.client.sync(self.client.scheduler.ncores, callback_timeout=PATIENCE))
+
+    def _watch(self, client):
+        """Notify each Remote when its worker leaves, and all when the connection is lost."""
+        there = True
+        while there and self.client is client:
+            sleep(LOOK)
+            try:
+                known = set(client.sync(client.scheduler.ncores, callback_timeout=PATIENCE))
+                there = client.status == "running"
+            except Exception:
+                known, there = set(), False
+            with self.lock:
+                gone = [remote for worker, remote in self.remotes.items() if worker not in known]
+            for remote in gone:
+                remote.lose()
+        with self.lock:
+            if self.client is client:
+                self.close()
+
+    def close(self) -> None:
+        """Abandon all calls and disconnect."""
+        client, self.client = self.client, None
+        if client is not None:
+            for remote in list(self.remotes.values()):
+                remote.lose()
+            Thread(target=_closed, args=(client,), daemon=True).start()  # closing may take long
 
 
-def _lost(error):
-    if type(error).__module__.startswith("distributed."):  # such as KilledWorker
-        return Lost("crash", str(error))
-    return Lost("error", "".join(format_exception(error, limit=TRACEBACK)))
+def _closed(client):
+    with suppress(Exception):
+        client.close(timeout=PATIENCE)
+
+
+class Remote:
+    """One worker of the cluster, with the interface of `isolated.Caller`."""
+
+    def __init__(self, cluster, client, worker):
+        self.cluster, self.client, self.worker = cluster, client, worker
+        self._gone, self._news = False, SimpleQueue()
+
+    def alive(self) -> bool:
+        """Whether the scheduler listed the worker at the last check."""
+        return not self._gone
+
+    def lose(self) -> None:
+        """Mark the worker as lost: it or the cluster is gone."""
+        self._gone = True
+        self._news.put(None)
+
+    def call(self, function: Callable, *arguments: Any, limit: float = inf) -> Any:
+        """Return function(*arguments), computed by the worker; raises Lost."""
+        where = {"workers": [self.worker], "allow_other_workers": False, "key": f"contact-{uuid4().hex}"}
+        try:
+            future = self.client.submit(function, *arguments, pure=False, **where)
+            future.add_done_callback(self._news.put)
+            done = self._gone or self._news.get(timeout=None if limit == inf else limit)
+            while done is not future and not self._gone:  # an earlier call
+                done = self._news.get(timeout=None if limit == inf else limit)
+            if self._gone or future.status not in ("finished", "error"):
+                raise Lost("crash", "the worker has left the cluster")
+            if future.status == "error":
+                raise self._failed(future)
+            return future.result(timeout=PATIENCE)
+        except Empty:
+            self._restart()
+            raise Lost("hang", f"no answer within {limit:g} s") from None
+        except Lost:
+            raise
+        except Exception as error:
+            raise Lost("crash", f"the worker has left the cluster: {error!r}") from None
+
+    def _failed(self, future):
+        error = future.exception(timeout=PATIENCE)
+        if type(error).__module__.startswith("distributed."):  # e.g. KilledWorker
+            return Lost("crash", str(error))
+        return Lost("error", "".join(format_exception(error, limit=TRACEBACK)))
+
+    def _restart(self):
+        self.lose()
+        with suppress(Exception):  # without a nanny the worker first finishes its task
+            self.client.restart_workers([self.worker], timeout=PATIENCE, raise_for_error=False)
+
+    def end(self) -> None:
+        """Free the worker and abandon its call."""
+        if not self._gone:
+            self.lose()
+        self.cluster.left(self)

@@ -25,6 +25,7 @@ ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMB
 START = "forkserver" if sys.platform == "linux" else "spawn"
 LIMIT = 600.0  # s for a call: 15 times what five of the most expensive scenes of tests/bench/box.py take
 TRACEBACK = -6  # the innermost calls that a message shows: enough to find the cause
+RETURN, AGAIN = 30.0, 1.0  # s to wait for a worker of a cluster to come back, and between two attempts
 starting = RLock()
 
 
@@ -136,20 +137,23 @@ def _prepared():
                 main.__file__ = file
 
 
-class Processes:
-    """Processes of this machine; each makes one call after another, and the next one starts where one is lost."""
+class Callers:
+    """`count` Callers: each makes one call after another, and another one takes over where one is lost.
 
-    def __init__(self, call: Callable, workers: int, limit: float) -> None:
-        self._call, self._limit, self.count = call, limit, workers
-        self._threads, self._own, self._over = ThreadPoolExecutor(workers), local(), Event()
-        self._callers: list[Caller] = []
+    make() returns a Caller. If it raises Lost of the kind 'absent', it is called again for RETURN seconds.
+    """
+
+    def __init__(self, make: Callable[[], Any], count: int, call: Callable, limit: float) -> None:
+        self._make, self._call, self._limit = make, call, limit
+        self._threads, self._own, self._over = ThreadPoolExecutor(count), local(), Event()
+        self._callers: list[Any] = []
         self._ended: SimpleQueue[Future] = SimpleQueue()
 
-    def __enter__(self) -> "Processes":
+    def __enter__(self) -> "Callers":
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Ends all processes: the consumer may have left before the last outcome."""
+        """Ends all Callers: the consumer may have left before the last outcome."""
         self._over.set()
         self._threads.shutdown(wait=False, cancel_futures=True)
         for caller in list(self._callers):
@@ -157,27 +161,40 @@ class Processes:
         self._threads.shutdown()
 
     def submit(self, index: int, item: Any) -> None:
-        """Makes call(item) as soon as a process is free."""
+        """Makes call(item) as soon as a Caller is free."""
         self._threads.submit(self._outcome, index, item).add_done_callback(self._ended.put)
 
     def completed(self) -> tuple[int, Any]:
-        """(index, result or Lost) of the call that ends next."""
-        return self._ended.get().result()
+        """(index, result or Lost) of the call that ends next; raises Lost where no Caller can be made."""
+        index, result = self._ended.get().result()
+        if getattr(result, "kind", "") == "absent":
+            raise result
+        return index, result
 
     def _outcome(self, index, item):
-        """Runs in a thread, which has its own process and starts another one for each that is lost."""
+        """Runs in a thread, which has its own Caller and makes another one for each that is lost."""
         own = self._own
         try:
             if getattr(own, "caller", None) is None:
-                own.caller = Caller()
+                own.caller = self._made()
                 self._callers.append(own.caller)
                 if self._over.is_set():  # too late to be ended with the others
                     own.caller.end()
             return index, own.caller.call(self._call, item, limit=self._limit)
         except Lost as lost:
-            if lost.kind != "error":
+            if lost.kind not in ("error", "absent"):
+                own.caller.end()
                 own.caller = None
             return index, lost
+
+    def _made(self):
+        due = monotonic() + RETURN
+        while True:
+            try:
+                return self._make()
+            except Lost:
+                if monotonic() > due or self._over.wait(AGAIN):
+                    raise
 
 
 def outcomes(
@@ -189,19 +206,33 @@ def outcomes(
     number of processes on this machine (None: one for each core), or the address of a dask cluster's scheduler; then
     raises ClusterError. limit: s for each call.
     """
-    from .cluster import Cluster  # it imports this module
-
-    workers = workers or os.cpu_count() or 1
-    with Cluster(call, workers, limit) if isinstance(workers, str) else Processes(call, workers, limit) as pool:
+    with _makers(workers) as (make, count), Callers(make, count, call, limit) as callers:
         left, running = enumerate(items), 0
         while True:
-            for index, item in islice(left, pool.count - running):
-                pool.submit(index, item)
+            for index, item in islice(left, count - running):
+                callers.submit(index, item)
                 running += 1
             if not running:
                 return
-            yield pool.completed()
+            yield callers.completed()
             running -= 1
+
+
+@contextmanager
+def _makers(workers):
+    """(function that makes a Caller, or another object with its methods; how many calls at a time)."""
+    if not isinstance(workers, str):
+        yield Caller, workers or os.cpu_count() or 1
+        return
+    from .cluster import Cluster, ClusterError  # it imports this module
+
+    cluster = Cluster(workers)
+    try:
+        yield cluster, cluster.count()
+    except Lost as lost:  # of the kind 'absent'
+        raise ClusterError(f"scheduler {workers}: {lost}; start it, and run again") from None
+    finally:
+        cluster.close()
 
 
 def _serve(pipe):

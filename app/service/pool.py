@@ -2,7 +2,7 @@
 
 Sessions and pages use only `submit` (a pure function of picklable arguments), `abandon`, `position`, `status` and
 `why`. A worker is a process of this machine, or any object with the methods of `solver.isolated.Caller` that this
-module calls: with APP_SCHEDULER it is a worker of a dask cluster (cluster.py).
+module calls: with APP_SCHEDULER it is a worker of a dask cluster (`solver.cluster`).
 """
 
 import atexit
@@ -18,6 +18,7 @@ from typing import Any
 from app.environment import CLUSTER, WORKERS
 from app.service import metrics, worker
 from app.service.fair_queue import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, FairQueue, Task
+from solver.cluster import Cluster
 from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
@@ -28,6 +29,11 @@ WARMING = 300.0  # s to compile the kernels on a slow machine
 STARTS = 3  # failed starts of a slot in a row before waiting tasks fail
 GIVE_UP = 60.0  # s since a worker was last ready before waiting tasks fail
 SILENT = 60.0  # s without an answer of any worker before the pool counts as dead
+MOST_WORKERS = 16  # of a cluster, by default; a slot without a worker looks for one every few seconds
+OPEN = (
+    "APP_SCHEDULER is a tcp:// address: whoever reaches this scheduler can run any code on it and its workers."
+    " Use it in a trusted network only, or use tls://"
+)
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 
@@ -274,8 +280,8 @@ def made():
     """Return the pool that the environment variables select."""
     if CLUSTER is None:
         return Pool()
-    from app.service.cluster import MOST_WORKERS, Cluster
-
+    if CLUSTER.startswith("tcp://"):
+        log.warning(OPEN)
     return Pool(WORKERS or MOST_WORKERS, make=Cluster(CLUSTER))
 
 

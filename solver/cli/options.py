@@ -58,7 +58,7 @@ def _plot(file):
 
 def add_scheduler(parser: argparse.ArgumentParser) -> None:
     """Adds --scheduler."""
-    text = "compute on a dask cluster at tcp://host:8786; its workers need this version and one thread each"
+    text = "compute on a dask cluster, in a trusted network: tcp://host:8786, else tls://. docs/serve.md has its rules"
     parser.add_argument("--scheduler", metavar="ADDRESS", help=text)
 
 

@@ -28,7 +28,7 @@ def local(tmp_path_factory):
 
 @pytest.fixture
 def workers(local, monkeypatch):
-    from app.service.cluster import Cluster
+    from solver.cluster import Cluster
 
     monkeypatch.setattr("app.service.pool.PAUSES", (0.0, 0.2))
     pool = Pool(size=3, make=Cluster(local.address))  # one slot more than there are workers

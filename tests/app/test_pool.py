@@ -11,6 +11,7 @@ import pytest
 from helpers import until
 from visitor import NoPool
 
+from app.service import pool as pools
 from app.service import worker
 from app.service.cache import Cache, size_of
 from app.service.jobs import Jobs
@@ -267,3 +268,12 @@ def test_background_tasks_of_the_server_do_not_count_as_in_flight(single):
     assert visitors.done() or single.in_flight == 1
     for task in (own, visitors):
         task.result(PATIENCE)
+
+
+@pytest.mark.parametrize(("address", "warned"), [("tcp://10.0.0.2:8786", True), ("tls://10.0.0.2:8786", False)])
+def test_a_cluster_without_tls_is_warned_of_when_the_server_starts(address, warned, monkeypatch, caplog):
+    pytest.importorskip("distributed", reason="needs the extra `cluster`")
+    monkeypatch.setattr(pools, "CLUSTER", address)
+    made = pools.made()
+    assert made.make.address == address
+    assert ("can run any code" in caplog.text and "tls://" in caplog.text) == warned

@@ -549,3 +549,10 @@ def test_ci_runs_exactly_the_test_command_of_the_readme():
     shown = subprocess.run([ROOT / ".ci" / "run", "--print"], capture_output=True, text=True, timeout=60, check=True)
     assert shown.stdout == 'pip install -e ".[test]" && pytest\n'
     assert f"- test: `{shown.stdout.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_a_cluster_without_dask_is_refused_with_a_remedy(call, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    axes = ("--x", "E=60:80:2", "--y", "delta_bar=0:0.1:2", "--csv", tmp_path / "map.csv")
+    code, _, err = call("map", *axes, "--scheduler", "tcp://127.0.0.1:1")
+    assert code == 2 and err.startswith('scheduler: dask is missing; pip install "mixed-mode-contact[cluster]"')
