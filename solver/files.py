@@ -44,7 +44,7 @@ def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], metho
     after = [frame for frame in frames if frame.stage != "approach"]
     curves = {name.split(" ")[0]: np.array(values) for name, values in curves_of(after).items()}
     report = {"method": method, "scene": asdict(scene)}
-    arrays: dict[str, Any] = fields_of(scene, after) | curves
+    arrays: dict[str, Any] = fields_of(after) | curves
     with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, **arrays, report=json.dumps(plain(origin() | report)))
 
@@ -67,7 +67,7 @@ def report_of(
     """What --json writes beside the version: scene, method and summary."""
     report = {"method": method, "scene": asdict(scene)}
     ended = {"seconds": seconds, "failure": failure, "left_out": left_out(frames)}
-    return report | summarize(scene, frames) | {"cautions": cautions_of(scene, frames)} | ended
+    return report | summarize(frames) | {"cautions": cautions_of(scene, frames)} | ended
 
 
 @cache

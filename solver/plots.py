@@ -39,7 +39,7 @@ def experiment(scene: Scene, frames: Sequence[Frame], over_top: bool = False) ->
         hv.Dimension("force", unit="N/m"),
         hv.Dimension("A", unit="nm"),
     )
-    at = [getattr(f, f"{along}_top") if over_top else place(scene, f) for f in frames]
+    at = [getattr(f, f"{along}_top") if over_top else place(f) for f in frames]
     forces = hv.Overlay(
         [hv.Curve((at, [getattr(f, name) for f in frames]), across, force, label=name) for name in "FL"]
     )
@@ -51,7 +51,7 @@ def _contact_map(scene, frames, across):
     """T_z (GPa, repulsion positive) over x from the middle of the cell and U_x; increments where U_x turns back."""
     import holoviews as hv
 
-    fields = fields_of(scene, frames)
+    fields = fields_of(frames)
     x, T_z = fields["x"], fields["T"][:, 1]
     at: Any = [frame.U_x for frame in frames]
     if np.any(np.diff(at) <= 0.0):

@@ -85,7 +85,7 @@ class Result:
 
     def _slip(self, frame, event, least):
         """A SlipEvent of a Frame as a row of `slips`."""
-        U_s, delta_s = slip_at(self.scene, frame, event)
+        U_s, delta_s = slip_at(frame, event)
         row = {
             "stage": event.stage,
             "delta_s (nm)": delta_s,
@@ -158,7 +158,7 @@ class Result:
         """
         import xarray as xr
 
-        fields = fields_of(self.scene, self.frames)
+        fields = fields_of(self.frames)
         variables: dict[str, Any] = {}
         for heading, column in self.table.items():
             name, _, unit = str(heading).rstrip(")").partition(" (")
@@ -302,7 +302,7 @@ def _curve(scene, frames):
     """F over the `abscissa` as an SVG without axes."""
     if len(frames) < 2:
         return ""
-    x, y = np.array([(place(scene, frame), frame.F) for frame in frames]).T
+    x, y = np.array([(place(frame), frame.F) for frame in frames]).T
     wide, high = SVG
     at = [(value - value.min()) / (np.ptp(value) or 1.0) for value in (x, y)]
     points = " ".join(f"{wide * a:.1f},{high * (1.0 - b):.1f}" for a, b in zip(*at, strict=True))

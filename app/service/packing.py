@@ -196,8 +196,8 @@ def _numbers(scene, frame, work):
     numbers = (getattr(frame, name) for name in OF_FRAME)
     if not scene.legs:
         return ORDER.index(frame.stage), *numbers, len(frame.slips), *slip, work
-    at = position(scene, frame)
-    slip = position(scene, frame, first) if first else at, *slip[1:]
+    at = position(frame)
+    slip = position(frame, first) if first else at, *slip[1:]
     return stages_of(scene).index(frame.stage), *numbers, len(frame.slips), *slip, work, at
 
 

@@ -151,7 +151,7 @@ def _works(scene, frames, last):
         return [0.0] * len(frames), None
     before, done = last or (None, 0.0)
     previous = [before] if before else []
-    works = done + work_of(scene, previous + frames).top[len(previous) :]
+    works = done + work_of(previous + frames).top[len(previous) :]
     return works, (frames[-1], works[-1])
 
 

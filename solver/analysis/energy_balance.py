@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from ..run.frame import Frame, kind, moving
 from ..run.summary import whole_surface
-from ..scene import Scene
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class Work:
     turns as a square root, and the error falls as the power 1.5. R is of a whole increment with a slip, and so depends
     on the increment; R - S does not.
 
-    Example: `work_of(Scene(), simulate(Scene()).frames).defect`
+    Example: `work_of(simulate(Scene()).frames).defect`
     """
 
     top: NDArray[np.float64]
@@ -46,17 +45,17 @@ class Work:
         return self.top - self.stored + self.surface - self.released
 
 
-def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
+def work_of(frames: Sequence[Frame]) -> Work:
     """Computes the energy balance of a run.
 
-    Parameters: scene; frames: all of the run, in order, with their fields.
+    Parameters: frames: all of the run, in order, with their fields.
     Returns the Work.
 
-    Example: `work_of(Scene(), simulate(Scene()).frames).defect`
+    Example: `work_of(simulate(Scene()).frames).defect`
     """
     top = np.zeros(len(frames))
     surface, released = np.zeros_like(top), np.zeros_like(top)
-    energy = np.array([layer_energy(scene, frame) for frame in frames])
+    energy = np.array([layer_energy(frame) for frame in frames])
     for k in range(1, len(frames)):
         before, frame = frames[k - 1], frames[k]
         following = frames[k + 1] if k + 1 < len(frames) else None
@@ -64,14 +63,14 @@ def work_of(scene: Scene, frames: Sequence[Frame]) -> Work:
         if frame.slips:
             released[k] = top[k] - (energy[k] - energy[k - 1])
         else:
-            surface[k] = _surface(scene, before, frame)
+            surface[k] = _surface(before, frame)
     return Work(np.cumsum(top), energy - energy[:1], np.cumsum(surface), np.cumsum(released))
 
 
-def layer_energy(scene, frame) -> float:
+def layer_energy(frame) -> float:
     """1/2 sum T.(u - U) a, nN: the elastic energy of layer and drive."""
     top = np.array([[frame.U_x], [-frame.delta]])
-    return 0.5 * float(np.sum(frame.T * (frame.u - top))) * scene.spacing
+    return 0.5 * float(np.sum(frame.T * (frame.u - top))) * frame.scene.spacing
 
 
 def _top(before, frame, following):
@@ -107,17 +106,17 @@ def _integral(before, frame, following, along, force):
     return total + 0.5 * (f + last) * (end - load)
 
 
-def _surface(scene, before, frame):
+def _surface(before, frame):
     """Work of the tractions on the surface between two frames, nN."""
     if (before.first, before.u.shape) == (frame.first, frame.u.shape):
         (u, T), (u_after, T_after) = (before.u, before.T), (frame.u, frame.T)
     else:
-        (u, T), (u_after, T_after) = _whole(scene, before), _whole(scene, frame)
-    return 0.5 * float(np.sum((T + T_after) * (u_after - u))) * scene.spacing
+        (u, T), (u_after, T_after) = _whole(before), _whole(frame)
+    return 0.5 * float(np.sum((T + T_after) * (u_after - u))) * frame.scene.spacing
 
 
-def _whole(scene, frame):
+def _whole(frame):
     """(u, T) of every node of the cell, (2, nodes) each."""
-    T = np.zeros((2, scene.nodes))
+    T = np.zeros((2, frame.scene.nodes))
     T[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
-    return whole_surface(scene, frame), T
+    return whole_surface(frame), T

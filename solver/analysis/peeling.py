@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from ..run.frame import least_repulsion
 
 
-def edges(scene, frame) -> NDArray[np.float64]:
+def edges(frame) -> NDArray[np.float64]:
     """(patches, 2) nm, undeformed: the trailing and the leading edge of every patch of a Frame; nan in full contact.
 
     A patch across the ends of the cell, and those after it, lie beyond w: the order starts behind the widest gap.
     """
-    least = least_repulsion(scene)
+    scene, least = frame.scene, least_repulsion(frame.scene)
     n, T_z = frame.T.shape[1], frame.T[1] - least
     closed = n == scene.nodes
     if closed and (T_z > 0.0).all():
@@ -32,14 +32,15 @@ def edges(scene, frame) -> NDArray[np.float64]:
     return (frame.first + edges) * scene.spacing
 
 
-def peel_asymmetry(scene, before, after) -> float:
+def peel_asymmetry(before, after) -> float:
     """(back - front)/(|back| + |front|), how far the trailing and the leading edges of all patches moved inward.
 
     before, after: Frames. 1: only trailing edges peel, or leading ones grow at the same time; 0: symmetric; -1: only
     leading edges peel. nan if nothing moved. Also nan if patches appeared, vanished, split or merged: each patch must
     overlap exactly one of the other frame, modulo w.
     """
-    then, now = (edges(scene, frame) for frame in (before, after))
+    scene = after.scene
+    then, now = (edges(frame) for frame in (before, after))
     half_then, half_now = (0.5 * (edges[:, 1] - edges[:, 0]) for edges in (then, now))
     # from every patch before to every patch after, the shorter way round the cell
     moved = now.mean(axis=1) - then.mean(axis=1)[:, None]

@@ -139,7 +139,7 @@ def release_rates(frame: Frame) -> tuple[Edge, Edge]:
     Example: `release_rates(simulate(Scene(u_x_max=0.0)).frames[-1])`
     """
     scene = frame.scene
-    where = edges(scene, frame)
+    where = edges(frame)
     if len(where) != 1 or not np.isfinite(where).all():
         raise ValueError("release rates need one part in contact, with two edges; choose another frame")
     u, T = frame.u, frame.T

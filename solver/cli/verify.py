@@ -34,8 +34,8 @@ def verify(arguments: argparse.Namespace) -> int:
     report, scene, recorded = read(arguments.file)
     frames, failure = collected(load_path(scene, method=report["method"]))
     after = [frame for frame in frames if frame.stage != "approach"]
-    arrays = fields_of(scene, after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
-    computed = arrays if "T" in recorded else numbers_of(plain(summarize(scene, frames)))
+    arrays = fields_of(after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
+    computed = arrays if "T" in recorded else numbers_of(plain(summarize(frames)))
     compared = {name: _compared(values, np.array(computed[name], float)) for name, values in recorded.items()}
     allowed = max(SAME, TOLERANCES * scene.tolerance / min(scene.delta_n, scene.delta_t))
     for where, of in (("file", report), ("here", origin())):

@@ -85,15 +85,15 @@ def abscissa(scene) -> str:
     return "path" if scene.legs else "delta" if lifts(scene) else "U_x"
 
 
-def place(scene, frame) -> float:
+def place(frame) -> float:
     """Where a Frame is along the `abscissa`, nm."""
-    return position(scene, frame) if scene.legs else getattr(frame, abscissa(scene))
+    return position(frame) if frame.scene.legs else getattr(frame, abscissa(frame.scene))
 
 
-def position(scene, frame, slip=None) -> float:
+def position(frame, slip=None) -> float:
     """How far along its path a Frame is, or a SlipEvent in it, nm from the end of the approach."""
     far = 0.0
-    for step in load_steps_of(scene):
+    for step in load_steps_of(frame.scene):
         if step.stage == frame.stage:
             break
         far += step.end - step.start if step.stage != "approach" else 0.0
@@ -104,9 +104,9 @@ def position(scene, frame, slip=None) -> float:
     return far - abs((getattr(frame, name) - slip.load) / step.loading.direction[name == "delta"])
 
 
-def slip_at(scene, frame, slip) -> tuple[float, float]:
+def slip_at(frame, slip) -> tuple[float, float]:
     """(U_x, delta) of the stage, nm, at a SlipEvent of a Frame; under a held load delta is that of the Frame."""
-    step = next(step for step in load_steps_of(scene) if step.stage == slip.stage)
+    step = next(step for step in load_steps_of(frame.scene) if step.stage == slip.stage)
     x, z = step.loading.direction
     if not x:
         return frame.U_x, slip.load

@@ -8,28 +8,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
-from ..scene import Scene
 from .frame import Frame, SlipEvent, kind, largest_safe_damping, moving, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
 
 ADHERES = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
 
 
-def whole_surface(scene: Scene, frame: Frame) -> NDArray[np.float64]:
+def whole_surface(frame: Frame) -> NDArray[np.float64]:
     """Computes the displacement of the whole surface from the traction on the patch.
 
-    Parameters: scene: that of the frame; frame: with its fields.
+    Parameters: frame.
     Returns u (2, nodes), nm.
 
-    Example: `whole_surface(Scene(), simulate(Scene()).frames[-1])`
+    Example: `whole_surface(simulate(Scene()).frames[-1])`
     """
-    layer = Convolution(Modes.of(scene), scene.nodes)
+    layer = Convolution(Modes.of(frame.scene), frame.scene.nodes)
     layer.field[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
     layer.apply()
     return layer.product + np.array([[frame.U_x], [-frame.delta]])
 
 
-def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
+def fields_of(frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
     """x (m,), u (nm) and T (GPa) (frames, 2, m); x in nm from the middle of the cell.
 
     At nodes outside a frame's patch u is nan and T is 0.
@@ -41,7 +40,8 @@ def fields_of(scene: Scene, frames: Sequence[Frame]) -> dict[str, NDArray[np.flo
     for k, frame in enumerate(frames):
         patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
         u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    return {"x": np.arange(first, last) * scene.spacing - scene.width / 2, "u": u, "T": T}
+    x = frames[0].scene.x[first:last] - frames[0].scene.width / 2 if frames else np.empty(0)
+    return {"x": x, "u": u, "T": T}
 
 
 def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
@@ -101,14 +101,14 @@ def kind_of(frame: Frame, event: SlipEvent) -> str:
     return "pull-off" if apart else event.kind
 
 
-def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
+def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
     """Describes a run in a few numbers, as `run --json` writes them.
 
-    Parameters: scene: that of the end of the run; frames: all of them, in order.
+    Parameters: frames: all of the run, in order.
     Returns a dict: A_0 (nm) and the number of slips after the approach; U_s (nm), F_s, L_s (N/m) and A_s (nm) at the
     first slip of a stage that moves U_x, None where it does not exist.
 
-    Example: `summarize(Scene(), simulate(Scene()).frames)["U_s"]`
+    Example: `summarize(simulate(Scene()).frames)["U_s"]`
 
     A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min (N/m), the
     least load of a retraction, exists only with a stage 'unload'.
@@ -118,11 +118,11 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     first: dict[str, Any] = next((values_of(f, e, least) for f in frames for e in slides_in(f)), {})
     after = [f for f in frames if f.stage != "approach"]
     summary = {
-        "converged": _converged(scene, frames),
+        "converged": _converged(frames),
         "evaluations": sum(f.evaluations for f in frames),
         "events": events,
         "safe_damping": (safe := largest_safe_damping(frames)),
-        "may_flutter": sum(f.may_flutter for f in frames) if safe > scene.damping else 0,
+        "may_flutter": sum(f.may_flutter for f in frames) if frames and safe > frames[0].scene.damping else 0,
         "sensitive": sum(f.sensitive for f in frames),
         "A_0": after[0].A if after else None,
         "slips": sum(len(f.slips) for f in after),
@@ -136,10 +136,13 @@ def summarize(scene: Scene, frames: Sequence[Frame]) -> dict[str, Any]:
     return summary
 
 
-def _converged(scene, frames):
+def _converged(frames):
     """Whether the Frames reach the end of the path, each within its tolerance."""
+    if not frames:
+        return False
+    scene = frames[-1].scene
     last = load_steps_of(scene)[-1]
-    if not frames or frames[-1].stage != last.stage:
+    if frames[-1].stage != last.stage:
         return False
     ended = last.loading.load_of(frames[-1]) >= last.at(last.increments) - ROUND_OFF * last.increment
     return ended and all(f.residual <= scene.tolerance for f in frames)

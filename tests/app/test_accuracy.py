@@ -51,7 +51,7 @@ def test_surfaces_that_overlap_by_more_than_delta_n_give_a_caution_under_the_law
 def test_a_pressed_contact_overlaps_and_a_flat_far_away_does_not():
     deep, far = (simulate(Scene(nodes=32, width=80.0, u_x_max=0.0, delta_bar=d)).frames for d in (1.0, -0.9))
     scene = deep[-1].scene
-    expected = -(scene.profile + whole_surface(scene, deep[-1])[1]).min() / scene.delta_n
+    expected = -(scene.profile + whole_surface(deep[-1])[1]).min() / scene.delta_n
     assert largest_overlap(deep) == pytest.approx(expected, abs=1e-6) and expected > 1.0
     assert largest_overlap(far) == largest_overlap([]) == 0.0
 

@@ -41,7 +41,7 @@ def test_exported_files_and_python_lines_repeat_the_run_on_screen(page):
 def test_work_of_a_loop_does_not_depend_on_slicing(page):
     scene = SHORT.changed(path="loop", u_x_max=4.0)
     frames = list(load_path(scene))
-    expected = work_of(scene, frames).top
+    expected = work_of(frames).top
     works = []
     for piece in slices(scene, 0.005):
         for block in piece.blocks:

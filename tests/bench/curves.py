@@ -44,7 +44,7 @@ def states(scene, method):
     try:
         for frame in load_path(scene, method):
             if frame.stage == "shear":
-                found[round(frame.U_x, 9)] = whole_surface(scene, frame)
+                found[round(frame.U_x, 9)] = whole_surface(frame)
                 slips += frame.slips
     except NotConverged as failure:
         print(f"{method}: {failure}")

@@ -52,7 +52,7 @@ def unreported(scene, frames):
     """[(frame, move in nm)] of the jumps without an event."""
     found, before, last = [], None, None
     for frame in frames:
-        surface = whole_surface(scene, frame)
+        surface = whole_surface(frame)
         if before is not None and not frame.slips:
             step = max(abs(frame.U_x - last.U_x), abs(frame.delta - last.delta) if frame.stage == "approach" else 0.0)
             move = float(np.abs(surface - before).max())

@@ -71,7 +71,7 @@ def by_gfmd(values):
     before = next((frame for frame in frames[k - 1 :: -1] if frame.stage == "shear"), frames[k - 1])
     row = {"U_s": event.load, "F_s": event.F_bar, "L_s": event.L_bar, "kind": event.kind}
     try:
-        row |= judged(scene, whole_surface(scene, before), before.U_x, event.load)
+        row |= judged(scene, whole_surface(before), before.U_x, event.load)
     except NoRest as restless:
         row["why"] = f"GFMD: {restless}"
     return row | {"seconds": time.process_time() - start}

@@ -193,7 +193,7 @@ def differs(scene, gfmd, frames, k):
     evidence["whole"] = [mind["whole"] for mind in minds]
     landed = {}
     for name, kick in (("as it is", 0.0), ("kicked", KICK)):
-        u = whole_surface(scene, frames[k - 1])
+        u = whole_surface(frames[k - 1])
         u += kick * np.random.default_rng(0).uniform(-1.0, 1.0, u.shape)
         p0 = gfmd["p0"] if frames[k].stage != "approach" else None
         try:

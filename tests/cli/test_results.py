@@ -59,7 +59,7 @@ def test_xarray_and_npz_count_x_from_the_middle_of_the_cell(result, monkeypatch,
 
 
 def test_slips_are_the_events_of_the_run(result):
-    summary = summarize(SMALL, result.frames)
+    summary = summarize(result.frames)
     assert len(result.slips) == len(summary["events"]) > 1
     first = result.slips[result.slips["stage"] == "shear"].iloc[0]
     assert first[["U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"]].tolist() == list(result.first_slip)
@@ -138,7 +138,7 @@ def test_a_run_that_fails_keeps_what_it_has_and_names_a_remedy():
 def test_a_sweep_has_the_first_slip_of_every_combination_in_order():
     table = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[1.0, 0.0])
     assert table[["delta_bar", "phi_ratio"]].values.tolist() == [[0.1, 1.0], [0.1, 0.0], [0.2, 1.0], [0.2, 0.0]]
-    summary = summarize(SMALL, list(load_path(SMALL)))
+    summary = summarize(list(load_path(SMALL)))
     assert table["U_s (nm)"][0] == summary["U_s"] and table["outcome"][0] == "slips"
     assert table["A_s (nm)"][0] == summary["A_s"]
     assert np.isnan(table["U_s (nm)"][1]) and table["outcome"][1] == "no slip"
@@ -219,7 +219,7 @@ def test_a_frame_prints_its_place_and_forces(result):
 
 def test_a_notebook_shows_what_differs_the_first_slip_and_a_curve(result):
     shown = result._repr_html_()
-    assert f"{summarize(SMALL, result.frames)['slips']} slips" in shown
+    assert f"{summarize(result.frames)['slips']} slips" in shown
     assert "delta_bar = 0.1" in shown and "First slip at U_x = " in shown and "<polyline" in shown
     assert " N/m" in shown and " nm" in shown
 

@@ -155,7 +155,7 @@ def test_driven_run_agrees_with_an_explicit_gfmd_with_springs():
     assert np.abs(F - plain).max() < 1e-5 * np.abs(plain).max()
     for frame in frames[::7]:
         assert recheck(scene, frame).residual < 2e-7
-    assert np.abs(work_of(scene, frames).defect).max() < 1e-3 * np.abs(work_of(scene, frames).top).max()
+    assert np.abs(work_of(frames).defect).max() < 1e-3 * np.abs(work_of(frames).top).max()
 
 
 def test_following_and_sensitivities_know_the_stiffness_of_the_drive():

@@ -67,9 +67,9 @@ def test_dissipation_per_slip_is_the_area_of_the_sawtooth():
     """Flat on flat, against Prandtl-Tomlinson in closed form; the error falls as du^1.5, as F ends in a square root."""
     exact, off = sawtooth(FLAT.changed(u_x_max=30.0)), []
     for per_period in (25, 100):
-        scene, frames, first = periods(FLAT.changed(u_x_max=30.0), per_period)
+        _, frames, first = periods(FLAT.changed(u_x_max=30.0), per_period)
         assert sum(len(f.slips) for f in frames[first + 1 :]) == 2
-        work = work_of(scene, frames)
+        work = work_of(frames)
         off.append(abs((work.top[-1] - work.top[first]) / 2.0 / exact - 1.0))
     assert off[0] < 2e-3 and off[1] < off[0] / 7.0
 
@@ -79,7 +79,7 @@ def test_work_of_the_top_over_a_sliding_period_equals_the_energy_released_in_sli
     """The layer's energy repeats, so that W = R - S; and W is the area under the sawtooth of F."""
     scene, frames, first = periods(PUNCH.changed(u_x_max=14.0, **values), 25)
     assert sum(len(f.slips) for f in frames[first + 1 :]) == 2
-    work = work_of(scene, frames)
+    work = work_of(frames)
     paid, stored, given, released = (
         series[-1] - series[first] for series in (work.top, work.stored, work.surface, work.released)
     )
@@ -128,7 +128,7 @@ def dissipated(scene):
     plain._step = known
     plain_gfmd.move = counted
     try:
-        plain.rest(whole_surface(scene, before), frame.slips[0].load + 1e-3, -scene.delta)
+        plain.rest(whole_surface(before), frame.slips[0].load + 1e-3, -scene.delta)
     finally:
         plain_gfmd.move = stepped
     return lost * scene.spacing
@@ -149,7 +149,7 @@ def test_dissipation_differs_from_the_work_of_the_top_only_by_the_work_of_the_la
     frames = [f for f in load_path(fine) if f.stage == "shear"]
     ends = [k for k, f in enumerate(frames) if f.slip]
     period = ends[2] - ends[1]
-    work = work_of(fine, frames)
+    work = work_of(frames)
     paid = work.top[ends[1] + period - 1] - work.top[ends[1] - 1]
     assert least < dissipated(scene) / paid - 1.0 < most
 
@@ -159,7 +159,7 @@ def test_energy_of_a_jump_to_the_held_load_counts_as_released():
     scene = Scene(hold="load", delta_bar=-0.5, u_x_max=1.0, nodes=512, width=1250.0, radius=5.0)
     frames = list(load_path(scene))
     jump = next(k for k, frame in enumerate(frames) if frame.stage == "shear")
-    work, before = work_of(scene, frames), frames[jump - 1]
+    work, before = work_of(frames), frames[jump - 1]
     assert frames[jump].slip and abs(frames[jump].delta - before.delta) > scene.delta_n  # the premise
     assert work.surface[jump] == work.surface[jump - 1]
     assert work.released[jump] != work.released[jump - 1]
@@ -172,7 +172,7 @@ def test_two_energy_balances_agree_over_a_friction_loop(values):
     """The state repeats, so the layer stores nothing: what the top does is what slips release and springs give back."""
     scene = PUNCH.changed(path="loop", u_x_max=8.0, du_x=0.2, **values)
     frames = list(load_path(scene))
-    work, end = work_of(scene, frames), ends(frames)
+    work, end = work_of(frames), ends(frames)
     loop = [
         series[end["forth"]] - series[end["shear"]] for series in (work.top, work.stored, work.surface, work.released)
     ]
@@ -186,7 +186,7 @@ def test_energy_is_conserved_between_slips_up_to_the_residual():
     """W = E - S without slips: F and L, E and S are told by different sums, and agree as C is symmetric."""
     for values in ({}, {"hold": "load"}, {"path": "unload"}, {"path": "loop", "du_x": 0.7}):
         scene = PUNCH.changed(u_x_max=8.0, **values)
-        work = work_of(scene, list(load_path(scene)))
+        work = work_of(list(load_path(scene)))
         assert np.abs(work.defect).max() < 1e-6 * np.abs(work.top).max()
 
 
@@ -197,7 +197,7 @@ def test_smooth_sliding_dissipates_nothing():
     frames = list(load_path(scene))
     end = ends(frames)
     assert not any(f.slip for f in frames[end["approach"] + 1 :])
-    work = work_of(scene, frames)
+    work = work_of(frames)
     most = scene.phi_t * scene.width  # all springs stretched to the full
     assert abs(work.top[end["forth"]] - work.top[end["shear"]]) < 1e-9 * most
     start = end["approach"] + 1
@@ -209,14 +209,14 @@ def test_elastic_energy_of_the_flat_is_that_of_a_sheared_block():
     """1/2 F (U - u) for all nodes alike."""
     frame = [f for f in load_path(FLAT.changed(u_x_max=3.0)) if f.stage == "shear"][-1]
     F = frame.F_bar * FLAT.E * FLAT.width
-    assert layer_energy(FLAT, frame) == pytest.approx(0.5 * F * (frame.U_x - frame.u[0, 0]), rel=1e-9)
+    assert layer_energy(frame) == pytest.approx(0.5 * F * (frame.U_x - frame.u[0, 0]), rel=1e-9)
 
 
 def test_work_is_unaffected_by_a_growing_patch():
     scene = Scene(E=10.0, u_x_max=0.0, du_z=0.5)
     frames = list(load_path(scene))
     assert len({f.u.shape for f in frames}) > 1
-    work = work_of(scene, frames)
+    work = work_of(frames)
     assert np.abs(work.defect).max() < 1e-5 * np.abs(work.top).max()
 
 
@@ -227,6 +227,6 @@ def test_dead_weight_does_work_in_the_jump_to_a_held_load(delta_bar):
     frames = list(load_path(scene))
     k = next(k for k, f in enumerate(frames) if f.stage == "shear")
     assert [event.kind for event in frames[k].slips] == ["control"]
-    work, way = work_of(scene, frames), frames[k].delta - frames[k - 1].delta
+    work, way = work_of(frames), frames[k].delta - frames[k - 1].delta
     assert work.top[k] - work.top[k - 1] == pytest.approx(frames[k].L * way, rel=1e-6)
     assert abs(np.diff(work.defect[k - 1 : k + 1])) < 1e-9 * abs(work.top[k])

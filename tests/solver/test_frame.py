@@ -5,16 +5,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solver import Scene, load_path
+from solver import Scene, load_path, summarize, whole_surface
 from solver.analysis.peeling import edges, peel_asymmetry
 from solver.run.frame import contact_area, forces
+from solver.run.summary import fields_of
 
 SCENE = Scene(nodes=100, width=250.0)
 
 
 def of_contact(T, first=0):
     """(A_bar, edges) of these tractions."""
-    return contact_area(SCENE, T), edges(SCENE, SimpleNamespace(T=T, first=first))
+    return contact_area(SCENE, T), edges(SimpleNamespace(scene=SCENE, T=T, first=first))
 
 
 def test_area_interpolates_between_nodes():
@@ -95,21 +96,21 @@ def test_peel_asymmetry_is_the_difference_over_all_that_the_edges_moved():
         tz = np.full(100, -1.0)
         for low, high in patches:
             tz[low:high] = 1.0
-        return SimpleNamespace(T=np.array([0 * tz, tz]), first=0)
+        return SimpleNamespace(scene=SCENE, T=np.array([0 * tz, tz]), first=0)
 
     before = frame((10, 20), (50, 60))
-    assert peel_asymmetry(SCENE, before, frame((13, 20), (51, 60))) == pytest.approx(1.0)
-    assert peel_asymmetry(SCENE, before, frame((13, 19), (53, 59))) == pytest.approx(0.5)
-    assert peel_asymmetry(SCENE, before, frame((10, 17), (50, 60))) == pytest.approx(-1.0)
-    assert np.isnan(peel_asymmetry(SCENE, before, before))
-    assert np.isnan(peel_asymmetry(SCENE, before, frame((10, 20))))  # a patch has gone
+    assert peel_asymmetry(before, frame((13, 20), (51, 60))) == pytest.approx(1.0)
+    assert peel_asymmetry(before, frame((13, 19), (53, 59))) == pytest.approx(0.5)
+    assert peel_asymmetry(before, frame((10, 17), (50, 60))) == pytest.approx(-1.0)
+    assert np.isnan(peel_asymmetry(before, before))
+    assert np.isnan(peel_asymmetry(before, frame((10, 20))))  # a patch has gone
 
 
 def tent(*patches):
     """A frame whose T_z is positive between the edges (in nodes) of each patch, and crosses zero linearly there."""
     away = [np.abs((np.arange(100) - 0.5 * (a + b) + 50.0) % 100.0 - 50.0) - 0.5 * (b - a) for a, b in patches]
     tz = -np.clip(np.min(away, axis=0), -1.0, 1.0)
-    return SimpleNamespace(T=np.array([0 * tz, tz]), first=0)
+    return SimpleNamespace(scene=SCENE, T=np.array([0 * tz, tz]), first=0)
 
 
 @pytest.mark.parametrize(("leading", "told"), [(98.8, (1.8 - 0.6) / (1.8 + 0.6)), (100.4, 1.0)])
@@ -120,14 +121,14 @@ def test_peel_asymmetry_follows_a_patch_across_the_ends_of_the_cell(leading, tol
     """
     before, after = tent((10, 20), (40, 50), (85, 98.6)), tent((10.4, 19.6), (40.4, 49.6), (86, leading))
     # least, what counts as repulsion, moves edges by 1e-8 of a spacing
-    assert peel_asymmetry(SCENE, before, after) == pytest.approx(told, abs=1e-6)
+    assert peel_asymmetry(before, after) == pytest.approx(told, abs=1e-6)
     for shift in range(0, 100, 7):
-        moved = [SimpleNamespace(T=np.roll(f.T, shift, axis=1), first=0) for f in (before, after)]
-        assert peel_asymmetry(SCENE, *moved) == pytest.approx(told, abs=1e-6)
+        moved = [SimpleNamespace(scene=SCENE, T=np.roll(f.T, shift, axis=1), first=0) for f in (before, after)]
+        assert peel_asymmetry(*moved) == pytest.approx(told, abs=1e-6)
 
 
 def test_peel_asymmetry_of_an_edge_that_moves_by_more_than_half_the_cell():
-    assert peel_asymmetry(SCENE, tent((5, 95)), tent((75, 85))) == pytest.approx((70 - 10) / (70 + 10), abs=1e-6)
+    assert peel_asymmetry(tent((5, 95)), tent((75, 85))) == pytest.approx((70 - 10) / (70 + 10), abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -141,14 +142,14 @@ def test_peel_asymmetry_of_an_edge_that_moves_by_more_than_half_the_cell():
     ],
 )
 def test_peel_asymmetry_is_none_unless_every_patch_has_one_partner(after):
-    assert np.isnan(peel_asymmetry(SCENE, tent((10, 20), (40, 50)), tent(*after)))
-    assert np.isnan(peel_asymmetry(SCENE, tent(*after), tent((10, 20), (40, 50))))
+    assert np.isnan(peel_asymmetry(tent((10, 20), (40, 50)), tent(*after)))
+    assert np.isnan(peel_asymmetry(tent(*after), tent((10, 20), (40, 50))))
 
 
 def test_peel_asymmetry_is_none_without_edges():
-    free, full = (SimpleNamespace(T=np.full((2, 100), value), first=0) for value in (-1.0, 1.0))
+    free, full = (SimpleNamespace(scene=SCENE, T=np.full((2, 100), value), first=0) for value in (-1.0, 1.0))
     for other in (free, full, tent((10, 20))):
-        assert np.isnan(peel_asymmetry(SCENE, full, other)) and np.isnan(peel_asymmetry(SCENE, free, other))
+        assert np.isnan(peel_asymmetry(full, other)) and np.isnan(peel_asymmetry(free, other))
 
 
 def test_frames_compare_and_hash_by_identity_and_print_in_a_line():
@@ -157,3 +158,13 @@ def test_frames_compare_and_hash_by_identity_and_print_in_a_line():
     assert first == first and first != second and first in [second, first] and len({first, second, first}) == 2
     assert repr(first).startswith("Frame(stage='approach', index=0, ") and len(repr(first)) < 400
     assert "F_bar=" in repr(first) and "array" not in repr(first)
+
+
+def test_frames_are_described_with_their_own_scene():
+    """What reads frames takes no scene beside them, which might be another one."""
+    scene = Scene(nodes=64, width=160.0, u_x_max=2.0, du_x=0.5, du_z=0.5)
+    *_, last = frames = list(load_path(scene))
+    assert whole_surface(last).shape == (2, 64) and fields_of(frames)["x"].shape == fields_of(frames)["u"].shape[2:]
+    assert summarize(frames)["converged"] and not summarize(frames[:-1])["converged"] and not summarize([])["converged"]
+    with pytest.raises(TypeError):
+        summarize(scene.changed(u_x_max=1.0), frames)

@@ -43,7 +43,7 @@ def landings(scene, before, load, end):
 
     It starts on the surface of the frame before the slip, moved by 1e-3 nm at random, as a symmetric state would stay.
     """
-    found, start = [], whole_surface(scene, before)
+    found, start = [], whole_surface(before)
     for fraction, offset in ((0.5, 1e-3), (0.5, 1e-2), (1.0 / 6.0, 1e-3)):
         plain = Plain(scene, fraction, tolerance=1e-6)
         kick = 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, start.shape)

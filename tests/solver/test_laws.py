@@ -202,7 +202,7 @@ def test_closed_forms_of_the_flat_are_refused_elsewhere(values, name):
 def test_onset_is_the_run_up_to_its_first_slip():
     scene = SMALL.changed(u_x_max=12.0)
     frames = [f for f in load_path(scene) if f.stage == "shear"]
-    k, whole, found = next(i for i, f in enumerate(frames) if f.slip), summarize(scene, frames), onset(scene)
+    k, whole, found = next(i for i, f in enumerate(frames) if f.slip), summarize(frames), onset(scene)
     units = {"U_s": 1.0, "F_s": scene.width * scene.E, "A_s": scene.width, "A_0": scene.width}
     assert all(getattr(found, name) * unit == whole[name] for name, unit in units.items())
     assert found.F.tolist() == [f.F_bar for f in frames[:k]] + [found.F_s]
@@ -227,7 +227,7 @@ def test_onset_under_a_held_load_in_tension_is_the_slip_after_the_jump_where_the
     scene = SMALL.changed(hold="load", delta_bar=-0.4, u_x_max=6.0)
     frames = list(load_path(scene))
     assert [event.kind for frame in frames for event in frame.slips] == ["control", "fold", "fold"]
-    assert onset(scene).U_s == summarize(scene, frames)["U_s"] > 0.0
+    assert onset(scene).U_s == summarize(frames)["U_s"] > 0.0
 
 
 def test_onset_without_a_slip_is_none():

@@ -66,7 +66,7 @@ def test_a_map_agrees_with_exact_runs(grid, explored_grid):
             frames.append(frame)
             if frame.stage == "shear" and frame.slips:
                 break
-        exact = summarize(scene, frames)
+        exact = summarize(frames)
         assert point.U_s == pytest.approx(exact["U_s"], abs=1e-3)
         assert (point.F_s, point.A_s, point.A_0) == pytest.approx([exact[n] for n in ("F_s", "A_s", "A_0")], rel=1e-3)
         moved = (frames[-1].u[0] - frames[-2].u[0])[frames[-2].T[1] > 0.0]  # in contact
@@ -202,7 +202,7 @@ def test_a_computed_map_point_has_the_numbers_of_its_run(values):
     """To the last digit: nothing is interpolated where the run itself has located the slip."""
     scene = SMALL.changed(**({"delta_bar": 0.1} | values))
     point, _ = computed(scene)
-    summary = summarize(scene, list(load_path(scene)))
+    summary = summarize(list(load_path(scene)))
     assert [getattr(point, name) for name in NUMBERS] == [summary[name] for name in NUMBERS]
 
 
@@ -244,7 +244,7 @@ def test_pull_off_is_mapped_from_retractions():
     scene = SMALL.changed(path="unload", du_z=0.5, delta_bar=0.1)
     grid = Map(scene, PRESS, Axis("phi_n", 1.0, 2.0, 2))
     found = [computed_point(grid.task((0, j), {}))[0] for j in (0, 1)]
-    assert found[0].L_min > found[1].L_min == summarize(scene, list(load_path(scene)))["L_min"]  # less adhesion first
+    assert found[0].L_min > found[1].L_min == summarize(list(load_path(scene)))["L_min"]  # less adhesion first
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_an_oblique_line_ends_at_its_point_and_keeps_the_energy_balance():
     assert max(frame.residual for frame in frames) <= scene.tolerance
     events = [event for frame in frames for event in frame.slips]
     assert events and all(event.located and event.stage == "3 move" for event in events)
-    work = work_of(scene, frames)
+    work = work_of(frames)
     entered = work.stored + work.released - work.surface
     assert work.top[-1] == pytest.approx(entered[-1], rel=2e-3)
 
@@ -66,12 +66,12 @@ def test_an_end_on_an_oblique_line_does_not_depend_on_the_increment():
 def test_positions_grow_along_the_path_from_the_end_of_the_approach():
     scene = through("0,-1; 0,0.2; 3,0.4; 8,0.4; 8,-1")
     frames = list(load_path(scene))
-    along = [position(scene, frame) for frame in frames]
+    along = [position(frame) for frame in frames]
     assert along[0] == -12.0 and along[-1] == pytest.approx(np.hypot(3.0, 2.0) + 5.0 + 14.0)
     assert np.all(np.diff(along) >= -1e-9)
     for before, frame in pairwise(frames):
         for event in frame.slips:
-            assert position(scene, before) <= position(scene, frame, event) <= position(scene, frame)
+            assert position(before) <= position(frame, event) <= position(frame)
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_the_first_slip_of_a_path_is_of_any_line_along_U_x(points):
     """`simulate`, `summarize` and `sweep` name the same one."""
     run = simulate(through(points))
     event = next(event for frame in run.frames if frame.stage != "approach" for event in frame.slips)
-    assert summarize(run.scene, run.frames)["U_s"] == event.load
+    assert summarize(run.frames)["U_s"] == event.load
     assert sweep(run.scene, phi_ratio=[1.0])["U_s (nm)"][0] == event.load
     assert f"first slip at U_x = {event.load:.2f} nm" in run._repr_html_()
 

@@ -350,7 +350,7 @@ def test_a_measured_scene_is_hashable_picklable_and_runs():
     assert Profile(**asdict(profile)) == Profile(640.0, profile.z.tolist()) == profile
     frames = list(load_path(scene))
     assert max(f.residual for f in frames) <= scene.tolerance
-    assert len(edges(scene, frames[-1])) == 2
+    assert len(edges(frames[-1])) == 2
 
 
 def test_a_measured_surface_needs_its_profile_at_its_width():

@@ -96,10 +96,10 @@ def against_gfmd(scene, fraction=0.5):
     GFMD starts from the frame before the slip, the load raised by 1e-3 nm beyond its end, and goes on to the frame.
     """
     before, frame, event = first_slip(scene)
-    start, plain = whole_surface(scene, before), Plain(scene, fraction, tolerance=1e-6)
+    start, plain = whole_surface(before), Plain(scene, fraction, tolerance=1e-6)
     slipped = plain.rest(start, event.load + 1e-3, -scene.delta)
     there = plain.rest(slipped.u, frame.U_x, -scene.delta) if frame.U_x > event.load + 1e-3 else slipped
-    ours = whole_surface(scene, frame)
+    ours = whole_surface(frame)
     return moved(scene, start, ours), moved(scene, start, there.u), float(np.abs(ours - there.u).max())
 
 
@@ -143,9 +143,9 @@ def test_the_rough_preset_slips_by_two_sites_at_19():
     k = max(i for i, f in enumerate(shear) if f.slip)
     assert shear[k].slips[0].load == pytest.approx(19.112, abs=2e-3)
     assert shear[-1].F_bar == pytest.approx(1.9246e-3, rel=1e-3)
-    start = whole_surface(scene, shear[k - 1])
+    start = whole_surface(shear[k - 1])
     rest = Plain(scene).rest(start, shear[k].U_x, -scene.delta)
-    assert moved(scene, start, whole_surface(scene, shear[k])) == moved(scene, start, rest.u) == 2
+    assert moved(scene, start, whole_surface(shear[k])) == moved(scene, start, rest.u) == 2
 
 
 @pytest.mark.once
@@ -192,7 +192,7 @@ def test_a_soft_layer_at_high_friction_releases_as_many_nodes_as_gfmd():
     """
     scene = Scene(E=14.0, delta_bar=-0.15, phi_ratio=2.0, u_x_max=25.5)
     before, frame, event = first_slip(scene)
-    start, there = whole_surface(scene, before), whole_surface(scene, frame)
+    start, there = whole_surface(before), whole_surface(frame)
     assert event.load == pytest.approx(25.4726, abs=1e-3) and event.located
     assert 25 < int((there[0] - start[0] > 1.5).sum()) < 35  # 162 nodes from another start
 
@@ -232,7 +232,7 @@ def test_a_soft_layer_after_its_jump_into_contact_lands_where_gfmd_lands(E, leas
     rest = Plain(scene, tolerance=1e-5).rest(start, 0.0, -frame.delta)
     assert np.abs(rest.u - start).max() > least
     # a residual of 1e-5 nm of the motion, magnified where the layer is about to close
-    assert np.abs(whole_surface(scene, frame) - rest.u).max() < 1e-4
+    assert np.abs(whole_surface(frame) - rest.u).max() < 1e-4
 
 
 @pytest.mark.slow

@@ -85,7 +85,7 @@ def test_area_shrinks_slips_and_recovers_again_and_again(name):
 
 def peeled(scene, frames, frame):
     """(trailing, leading) edges' way inward since U_x = 0, in node spacings."""
-    before, after = edges(scene, frames[0]), edges(scene, frame)
+    before, after = edges(frames[0]), edges(frame)
     return (after[0, 0] - before[0, 0]) / scene.spacing, (before[-1, 1] - after[-1, 1]) / scene.spacing
 
 

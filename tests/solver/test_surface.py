@@ -31,7 +31,7 @@ def frames(scene, **options):
 
 
 def patches(scene, frame):
-    return len(edges(scene, frame))
+    return len(edges(frame))
 
 
 def test_the_same_seed_gives_the_same_profile():
@@ -231,7 +231,7 @@ def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(valu
         assert (one.F_bar, one.L_bar) == pytest.approx((other.F_bar, other.L_bar), abs=1e-9)
         # an edge moves by more than the residual's 1e-8 nm where the gap opens slowly
         assert one.A_bar == pytest.approx(other.A_bar, abs=2e-8)
-        assert edges(scene, one) == pytest.approx(edges(scene, other), abs=1e-5, nan_ok=True)
+        assert edges(one) == pytest.approx(edges(other), abs=1e-5, nan_ok=True)
 
 
 def test_a_wave_stays_symmetric_until_shear_starts():
@@ -278,8 +278,8 @@ def test_peel_asymmetry_counts_every_patch():
     for scene in (one, three):
         shear = [f for f in frames(scene) if f.stage == "shear"]
         assert not any(f.slip for f in shear)
-        told.append(peel_asymmetry(scene, shear[0], shear[-1]))
-        there = edges(scene, shear[-1])
+        told.append(peel_asymmetry(shear[0], shear[-1]))
+        there = edges(shear[-1])
         assert there.shape == (scene.waves, 2) and (np.diff(there.ravel()) > 0.0).all()
     assert 0.0 < told[0] < 1.0
     assert told[1] == pytest.approx(told[0], abs=1e-6)

@@ -70,7 +70,7 @@ def branch(scene):
 
 def contact(frame):
     """(2,) edges of the contact, nm from the crest."""
-    return edges(frame.scene, frame)[0] - 0.5 * frame.scene.width
+    return edges(frame)[0] - 0.5 * frame.scene.width
 
 
 def widths(frames, strip, gamma):

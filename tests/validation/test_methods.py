@@ -71,7 +71,7 @@ def test_every_frame_is_in_equilibrium_by_direct_sums(method, nodes):
     assert [f.stage for f in frames].count("shear") == scene.shear_increments + 1
     modes = Modes.of(scene)
     for frame in frames[:: len(frames) // 7]:
-        u = whole_surface(scene, frame)
+        u = whole_surface(frame)
         part = slice(frame.first, frame.first + frame.u.shape[1])
         assert np.abs(u[:, part] - frame.u).max() <= 2 * scene.tolerance
         tractions = np.zeros((2, nodes))
@@ -126,7 +126,7 @@ def test_an_increment_does_not_change_its_checkpoint(index):
 def test_frames_carry_residual_evaluations_and_slip():
     frames = list(load_path(SMALL))
     assert all(0 <= f.residual <= SMALL.tolerance and f.evaluations > 0 for f in frames)
-    summary = summarize(SMALL, frames)
+    summary = summarize(frames)
     assert summary["converged"] and summary["slips"] == sum(len(f.slips) for f in frames if f.stage == "shear") > 0
     assert summary["evaluations"] == sum(f.evaluations for f in frames)
     assert summary["A_s"] < summary["A_0"]

@@ -96,7 +96,7 @@ def at_slip(start: Frame, before: Frame, after: Frame, event: SlipEvent) -> dict
     """Fields of a Point with a first slip, from Frames at U_x = 0, before and after it, and its SlipEvent."""
     sites = _sites(before, after)
     regime = DETACHES if not touches(after) else IN_PART if sites < 1 else ONE_SITE if sites == 1 else MORE_SITES
-    lost, asymmetry = start.A_bar - event.A_bar, peel_asymmetry(start.scene, start, before)
+    lost, asymmetry = start.A_bar - event.A_bar, peel_asymmetry(start, before)
     return {
         "regime": regime,
         "U_s": event.load,

@@ -48,7 +48,7 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
     if skeleton is None and sheared and touches(sheared[0]):
         skeleton = _skeleton(scene, checkpoint)
     if scene.path == "unload" and not reason:
-        summary = summarize(scene, frames)
+        summary = summarize(frames)
         numbers = {"regime": STICKS, "A_0": summary["A_0"], "L_min": summary["L_min"]}
     else:
         numbers = _of_shear(sheared, skeleton, reason, off)
