@@ -6,6 +6,7 @@ from concurrent.futures import CancelledError
 from contextlib import suppress
 from pathlib import Path
 from threading import Thread
+from typing import Any
 
 import numpy as np
 from tornado.ioloop import IOLoop, PeriodicCallback
@@ -28,7 +29,7 @@ routes.install()
 shared(f"/{Path(__file__).parent.name}")
 
 
-def on_server_loaded(server_context):
+def on_server_loaded(server_context: Any) -> None:
     """Start the workers, then load code and compute runs that the first page does not need: the port is open."""
     pool.start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
@@ -47,7 +48,7 @@ def _load():
         cohesive_law.traction(Scene(), np.zeros(1), 0.0)
 
 
-def on_server_unloaded(server_context):
+def on_server_unloaded(server_context: Any) -> None:
     """End the worker processes."""
     log.info("the server is being stopped", extra={"visitors": len(visitors), "queue": pool.in_flight})
     pool.close()

@@ -3,12 +3,13 @@
 import os
 import re
 from importlib.util import find_spec
+from typing import Any
 
 SITES = re.compile(r"'self'|'none'|(https?://)?[\w*][\w.*-]*(:\d+)?")  # each site of a Content-Security-Policy
 SCHEDULER = re.compile(r"(tcp|tls)://[\w.:\[\]-]+:\d+")
 
 
-def whole(name, most, default=None):
+def whole(name: str, most: int, default: int | None = None) -> Any:
     """Return a whole number from 1 to `most`, or the default if the variable is not set."""
     text = os.environ.get(name, "")
     if not text:
@@ -18,7 +19,7 @@ def whole(name, most, default=None):
     raise SystemExit(f"{name} is {text!r}. Set it to a whole number from 1 to {most}, or leave it out.")
 
 
-def sites(name, default):
+def sites(name: str, default: str) -> str:
     """Return sites of a Content-Security-Policy, separated by spaces."""
     text = os.environ.get(name, "") or default
     if all(map(SITES.fullmatch, text.split(" "))):
@@ -26,7 +27,7 @@ def sites(name, default):
     raise SystemExit(f"{name} is {text!r}. Set it to sites, separated by spaces: https://school.example.")
 
 
-def scheduler(name):
+def scheduler(name: str) -> str | None:
     """Return the address of a dask scheduler, or None if the variable is not set."""
     text = os.environ.get(name, "")
     if not text:

@@ -9,7 +9,7 @@ TERM = re.compile(r'id="term-(\w+)" data-forms="([^"]+)"')
 
 
 @cache
-def forms():
+def forms() -> dict[str, str]:
     """Return {form of a word in the page: term}, the longest first."""
     found = {
         form.replace("~", " "): term

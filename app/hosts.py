@@ -5,6 +5,7 @@ that resolves to this machine would be accepted (DNS rebinding).
 """
 
 import re
+from typing import Any
 from urllib.parse import urlsplit
 
 from bokeh.server.util import check_allowlist
@@ -13,7 +14,7 @@ from bokeh.settings import settings
 OWN = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")  # these names reach no other machine
 
 
-def refused_host(request, origins):
+def refused_host(request: Any, origins: Any) -> str | None:
     """Return the host name of a request if it is not allowed, else None; origins: of --allow-websocket-origin."""
     allowed = settings.allowed_ws_origin() or origins
     origin = request.headers.get("Origin")

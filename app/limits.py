@@ -1,5 +1,6 @@
 """Limits of a run in the app, and the default preset."""
 
+from solver import Scene
 from solver.presets import presets
 from solver.run.load_steps import load_steps_of
 
@@ -8,6 +9,6 @@ MOST = {"nodes": 4096, "u_x_max": 1000.0}  # in the app; `python -m solver run` 
 DEFAULT = next(iter(presets()))  # the name of a preset
 
 
-def increments_of(scene):
+def increments_of(scene: Scene) -> int:
     """Return the expected number of increments of a run of the scene."""
     return sum(step.increments + 1 for step in load_steps_of(scene))

@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import panel as pn
 from bokeh.document import Document
@@ -45,7 +46,7 @@ class Shared:
     document: str
     stored: dict  # {preset: address of its stored run}
 
-    def page_for(self, arguments, **own):
+    def page_for(self, arguments: Any, **own: Any) -> str:
         """Return the page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
         scene, preset, _ = scene_from_address(arguments)
         values, page = values_of(scene), self.page
@@ -56,7 +57,7 @@ class Shared:
         return page
 
 
-def open_page():
+def open_page() -> None:
     """Add a visitor's own models to the current document."""
     doc = pn.state.curdoc
     try:
@@ -78,7 +79,7 @@ def _own(wire, slots):
         yield model
 
 
-def shared(address):
+def shared(address: str) -> Shared:
     """Return the Shared for a page at this address, with the current scripts and styles."""
     return _composed(assets.root(address))
 

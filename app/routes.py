@@ -8,6 +8,7 @@ the `params` of a connection.
 
 import logging
 from pathlib import Path
+from typing import Any
 
 from bokeh.server import server, urls
 from bokeh.server.tornado import BokehTornado
@@ -42,7 +43,7 @@ SERVER = [
 class Application(BokehTornado):
     """Bokeh's application with bounds, and without the routes that are not listed; `removed` has their patterns."""
 
-    def __init__(self, *arguments, **options):
+    def __init__(self, *arguments: Any, **options: Any) -> None:
         options |= {"default_handler_class": NotFound, "websocket_max_message_size_bytes": MESSAGE}
         options["session_token_expiration"] = max(LESSON, options.get("session_token_expiration", LESSON))
         super().__init__(*arguments, **options)
@@ -52,21 +53,21 @@ class Application(BokehTornado):
         self.wildcard_router.rules[:] = [rule for key, rule in found.items() if key in listed]
         self.removed = [pattern for pattern, handler in found if (pattern, handler) not in listed]
 
-    def start_request(self, server_conn, request_conn):
+    def start_request(self, server_conn: Any, request_conn: Any) -> Any:
         """Bound the size and the time of each request on a connection."""
         request_conn.set_max_body_size(BODY)
         request_conn.set_body_timeout(BODY_TIME)
         request_conn.params.header_timeout = IDLE
         return super().start_request(server_conn, request_conn)
 
-    def find_handler(self, request, **options):
+    def find_handler(self, request: Any, **options: Any) -> Any:
         """Return the handler of a request; one for a foreign host gets no other answer."""
         host = refused_host(request, self.websocket_origins)
         if host is None:
             return super().find_handler(request, **options)
         return self.get_handler_delegate(request, ForeignHost, {"host": host[:80]})
 
-    def log_request(self, handler):
+    def log_request(self, handler: Any) -> None:
         """Log a request that was not answered as asked, in one line."""
         request, status = handler.request, handler.get_status()
         if status < 400:
@@ -75,12 +76,12 @@ class Application(BokehTornado):
         fields = {"status": status, "method": request.method, "path": request.path[:200], "peer": request.remote_ip}
         log.log(logging.ERROR if status == 500 else logging.INFO, event, extra=fields)
 
-    def add_handlers(self, host_pattern, host_handlers):
+    def add_handlers(self, host_pattern: Any, host_handlers: Any) -> None:
         """Reject routes that are added later."""
         raise ValueError(f"The server has no routes but those in {__name__}. Add {host_handlers} there.")
 
 
-def install():
+def install() -> None:
     """Give these routes to all servers of this process. Call it before a server is made; it may be repeated."""
     urls.per_app_patterns[:] = PAGE
     urls.toplevel_patterns[:] = SERVER

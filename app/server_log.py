@@ -10,6 +10,7 @@ import sys
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
@@ -23,7 +24,7 @@ class Lines(logging.Formatter):
 
     default_time_format, default_msec_format = "%Y-%m-%dT%H:%M:%S", "%s.%03d"
 
-    def format(self, record):
+    def format(self, record: logging.LogRecord) -> str:
         """Return one line of text."""
         fields = {"time": self.formatTime(record), "level": record.levelname.lower()}
         if record.name != "app":
@@ -40,7 +41,7 @@ def _quoted(value):
     return text if BARE.fullmatch(text) else json.dumps(text, ensure_ascii=False)
 
 
-def configure():
+def configure() -> None:
     """Make all loggers of this process write such lines to standard error."""
     root = logging.getLogger()
     if not root.handlers:
@@ -51,7 +52,7 @@ def configure():
         logging.getLogger(name).setLevel(logging.INFO)
 
 
-def addresses():
+def addresses() -> list[str]:
     """Return this machine's IPv4 addresses without the loopback, the most likely first."""
     found = []
     with suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -62,7 +63,7 @@ def addresses():
     return [address for address in dict.fromkeys(found) if not address.startswith(("127.", "0."))]
 
 
-def log_addresses(arguments=None):
+def log_addresses(arguments: Any = None) -> None:
     """Log the address of the page for a class, or the command that makes the page reachable."""
     given = sys.argv[1:] if arguments is None else arguments
     port = (_option(given, "--port") or ["5006"])[-1]

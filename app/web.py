@@ -11,6 +11,8 @@ import mimetypes
 import re
 import secrets
 from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
 from bokeh.util.token import generate_jwt_token, generate_session_id
 from panel.io.server import DocHandler
@@ -37,7 +39,7 @@ body {{ font: 18px/1.5 system-ui; margin: 2em auto; padding: 0 1em; max-width: 3
 </head><body><h1>{title}</h1><p role="alert">{text}</p></body></html>"""
 
 
-def policy(host, nonce, frames):
+def policy(host: str, nonce: str, frames: str) -> str:
     """Return the Content-Security-Policy of the page: Bokeh compiles code of a document, and writes inline styles."""
     sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""  # not 'self' in some browsers
     return (
@@ -50,13 +52,13 @@ def policy(host, nonce, frames):
 class Plain(RequestHandler):
     """A handler with the headers that every answer has."""
 
-    def set_default_headers(self):
+    def set_default_headers(self) -> None:
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
         self.set_header("Content-Security-Policy", NOTHING + "'none'")
         self.clear_header("Server")
 
-    def body(self, text, kind):
+    def body(self, text: str | bytes, kind: str) -> None:
         """Answer with a text or bytes, compressed if the browser accepts this."""
         body = text.encode() if isinstance(text, str) else text
         self.set_header("Content-Type", kind)
@@ -67,11 +69,11 @@ class Plain(RequestHandler):
         self.finish(body)
 
     @property
-    def frames(self):
+    def frames(self) -> str:
         """Sites that may embed this page in a frame."""
         return FRAMES if self.get_argument("embed", "") == "1" else "'self'"
 
-    def refuse(self, status, title, text, again=0):
+    def refuse(self, status: int, title: str, text: str, again: int = 0) -> None:
         """Answer with a page that reports an error; again: s before the browser repeats the request."""
         self.set_status(status)
         self.set_header("Content-Security-Policy", NOTHING + self.frames)
@@ -82,10 +84,10 @@ class Plain(RequestHandler):
 class ForeignHost(Plain):
     """403 for every request under a host name that the server does not allow."""
 
-    def initialize(self, host, **_):
+    def initialize(self, host: str, **_: Any) -> None:
         self.host = host
 
-    def prepare(self):
+    def prepare(self) -> Any:
         option = f"--allow-websocket-origin={self.host}"
         self.event = f"a request for the host {self.host} was refused: start with {option} to allow it"
         text = f"The server does not answer under the name {html.escape(self.host)}. Use another name of it,"
@@ -95,14 +97,14 @@ class ForeignHost(Plain):
 class NotFound(Plain):
     """404 for all addresses that are not listed in app/routes.py."""
 
-    def prepare(self):
+    def prepare(self) -> Any:
         self.send_error(404)
 
 
 class Root(Plain):
     """Redirects to the page, by a relative address: a proxy may have removed a prefix."""
 
-    def get(self):
+    def get(self) -> Any:
         here, page = self.request.path.rsplit("/", 1)[1], next(iter(self.application.applications)).strip("/")
         self.redirect(f"./{here}/{page}" if here else f"./{page}")
 
@@ -115,7 +117,7 @@ class Page(Plain, DocHandler):
     initialize = DocHandler.initialize
 
     @authenticated
-    async def get(self, *_):
+    async def get(self, *_: Any) -> None:
         self.set_header("Cache-Control", "no-store")  # the page has the token
         if self.request.path.endswith("/"):
             page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have removed a prefix
@@ -139,13 +141,13 @@ class Page(Plain, DocHandler):
         metrics.count("pages")
         self.body(page, HTML)
 
-    def known_arguments(self):
+    def known_arguments(self) -> dict[str, list[bytes]]:
         """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
         others = [name for name in given if name not in FOR_SERVER | {*FOR_BROWSER}][:STRANGE]
         return {name: given[name] for name in given if name in FOR_SERVER} | {name[:40]: [] for name in others}
 
-    def token_for(self, arguments):
+    def token_for(self, arguments: dict[str, list[bytes]]) -> str:
         """Return the token for the connection: it has the id of a session, and the arguments of the address."""
         keys = {"secret_key": self.application.secret_key, "signed": self.application.sign_sessions}
         payload = {"headers": {}, "cookies": {}, "arguments": arguments}
@@ -154,7 +156,7 @@ class Page(Plain, DocHandler):
         return generate_jwt_token(generate_session_id(**keys), expiration=expires, extra_payload=payload, **keys)
 
     @property
-    def without(self):
+    def without(self) -> str:
         """Link to the page without parameters, for an invalid address."""
         page = html.escape(self.application_context.url.rsplit("/", 1)[1])
         return f'<a href="./{page}">Open the experiment without parameters</a>.'
@@ -165,10 +167,10 @@ class Page(Plain, DocHandler):
 class Files(Plain):
     """Scripts and styles from memory, compressed once. A browser caches an address with the right hash for a year."""
 
-    def initialize(self, folder=STATIC, **_):
+    def initialize(self, folder: Path = STATIC, **_: Any) -> None:
         self.folder = folder.resolve()
 
-    def get(self, name, tree=None):
+    def get(self, name: str, tree: str | None = None) -> None:
         """Answer with a file; tree: the hash of all files, see app/assets.py. `?v=` may give that of the file alone."""
         path = self.found(name)
         if path is None:
@@ -186,27 +188,28 @@ class Files(Plain):
 
     head = get
 
-    def found(self, name):
+    def found(self, name: str) -> Path | None:
         """Return the path of a file in the folder, or None."""
         with suppress(ValueError, OSError):  # a name with a null byte, or one that is too long
             path = (self.folder / name).resolve()
             return path if path.is_relative_to(self.folder) and path.is_file() else None
+        return None
 
-    def compute_etag(self):
+    def compute_etag(self) -> str | None:
         return getattr(self, "tag", None) and f'"{self.tag}"'
 
 
 class Scripts(Files):
     """Scripts of pages, from the folder of each page."""
 
-    def initialize(self, **_):
+    def initialize(self, **_: Any) -> None:  # type: ignore[override]
         super().initialize(PAGES)
 
 
 class Metrics(Plain):
     """Metrics in the text format of Prometheus."""
 
-    def get(self):
+    def get(self) -> Any:
         self.body(metrics.text(), "text/plain; version=0.0.4; charset=utf-8")
 
     head = get
@@ -215,7 +218,7 @@ class Metrics(Plain):
 class Liveness(Plain):
     """200 while workers answer, otherwise 503."""
 
-    def get(self):
+    def get(self) -> Any:
         alive, why = pool.alive()
         self.set_status(200 if alive else 503)
         self.set_header("Cache-Control", "no-store")

@@ -16,23 +16,27 @@ page.js receives all:
 """
 
 import logging
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from bokeh.models import Column
 
 from app.document import frozen
 from app.service.requests import Requests
-from app.views.plots import view_of
+from app.views.plots import View, view_of
+from solver import Scene
+from solver.following.skeleton import Skeleton
 
 log = logging.getLogger("app")
 HERE = Path(__file__).parent
 
 
 @cache
-def listed():
+def listed() -> dict[str, Any]:
     """Return {name: module} of all pages, in the order of the menu."""
     modules = {
         path.parent.name: import_module(f"{__name__}.{path.parent.name}.page") for path in HERE.glob("*/page.py")
@@ -40,7 +44,7 @@ def listed():
     return dict(sorted(modules.items(), key=lambda item: item[1].ORDER))
 
 
-def section(name):
+def section(name: str) -> str:
     """Return the section of a page in the document, as a template."""
     own = HERE / name / "page.html"
     if own.exists():
@@ -49,7 +53,7 @@ def section(name):
     return f'{{% call sheet("{name}") %}}<div class="figures">{figures}</div>{{% endcall %}}'
 
 
-def places():
+def places() -> dict[str, Column]:
     """Return {page_slot: empty Column for the figure}."""
     names = [f"{name}_{slot}" for name, page in listed().items() for slot in page.FIGURES]
     return {name: Column(sizing_mode="stretch_both") for name in names}
@@ -64,33 +68,33 @@ class Sheet:
 
     stays = False
 
-    def __init__(self, session, publish, views):
+    def __init__(self, session: Any, publish: Callable[..., None], views: dict[str, View]) -> None:
         self.session, self.publish, self.views = session, publish, views
         self.published = {}
         self.sweep, self.single = Requests(session, self.take), Requests(session)
 
-    def start(self):
+    def start(self) -> None:
         """Called when the page opens."""
         self.scene_changed()
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """The experiment shows another scene from now on."""
 
-    def order(self, values):
+    def order(self, values: dict[str, Any]) -> None:
         """Called with the values of the page's own controls."""
 
-    def nearer(self, scene, origin):
+    def nearer(self, scene: Scene, origin: Scene | None) -> Skeleton | None:
         """Return a Skeleton nearer to a scene than the Scene `origin` (or None), if the page has one."""
 
-    def take(self, call, result):
+    def take(self, call: Any, result: Any) -> None:
         """Called with the result of a call of `sweep`."""
 
-    def close(self):
+    def close(self) -> None:
         """Cancel all calls."""
         self.sweep.cancel()
         self.single.cancel()
 
-    def draw(self, slot, part, **columns):
+    def draw(self, slot: str, part: str, **columns: Any) -> None:
         """Replace data columns of a part of a figure. Nothing is sent if they are the same."""
         source = self.views[slot].parts[part].data_source
         if not all(np.array_equal(source.data[name], values) for name, values in columns.items()):
@@ -100,12 +104,13 @@ class Sheet:
 class Pages:
     """The open page of one visitor, if any. Every method runs under the lock of the visitor's document."""
 
-    def __init__(self, session):
+    def __init__(self, session: Any) -> None:
         self.session = session
         self.slots = places()
-        self.name, self.page, self.closed = "", None, {}  # closed: {name: page} of those that stay
+        self.name, self.closed = "", {}  # {name: page} of those that stay
+        self.page: Any = None
 
-    def open(self, page):
+    def open(self, page: str) -> bool:
         """Show the page of this name instead of the open one, '' for none; return whether there is such a page."""
         self._leave()
         if page not in listed():
@@ -139,19 +144,19 @@ class Pages:
             self.name = ""
             self.session.send("page")
 
-    def close(self):
+    def close(self) -> None:
         """Cancel all calls: the visitor left."""
         self._leave()
         for page in self.closed.values():
             page.close()
         self.closed.clear()
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """The experiment shows another scene from now on."""
         for page in filter(None, (self.page, *self.closed.values())):
             page.scene_changed()
 
-    def order(self, **values):
+    def order(self, **values: Any) -> None:
         """Pass an order from the browser to the open page."""
         if self.page is not None:
             self.page.order(values)

@@ -36,7 +36,8 @@ def reports(scene: Scene) -> Iterator[dict[str, Any]]:
     from solver.accuracy.measure import SWEEPS, measure
     from solver.accuracy.report import choice, command, failures, sentence
 
-    sent, count, report = 0.0, 0, None
+    sent, count = 0.0, 0
+    report: Any = None
     for progress, report in measure(scene, quick=True):
         done, now = len(report.points) if report else 0, time.monotonic()
         if done > count or now - sent > PAUSE:

@@ -1,6 +1,7 @@
 """A cache bounded by the memory of its values."""
 
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 from cachetools import LRUCache
@@ -11,16 +12,16 @@ OBJECT = 100  # bytes of an object without its contents, about
 class Cache(LRUCache):
     """The values used last, up to `capacity` bytes in all."""
 
-    def __init__(self, capacity):
+    def __init__(self, capacity: float) -> None:
         super().__init__(capacity, size_of)
 
-    def put(self, key, value):
+    def put(self, key: Any, value: Any) -> None:
         """Keep a value, unless it is larger than the cache."""
         with suppress(ValueError):
             self[key] = value
 
 
-def size_of(value):
+def size_of(value: Any) -> int:
     """Return the memory of a value that consists of records, containers, arrays and bytes, about; bytes."""
     if isinstance(value, (bytes, str)):
         return OBJECT + len(value)

@@ -49,7 +49,7 @@ class FairQueue:
 
     def remove(self, task: Task) -> None:
         """Remove a task that was cancelled; it need not be here."""
-        tasks = self._of[task.rank].get(task.owner, ())
+        tasks = self._of[task.rank].get(task.owner, deque())
         if task in tasks:
             tasks.remove(task)
 

@@ -58,8 +58,8 @@ def compared(predicted: Skeleton, exact: Skeleton) -> tuple[float, float]:
     loads, slips = ([slip.load for slip in skeleton.slips] for skeleton in (predicted, exact))
     if len(loads) != len(slips):
         return float("inf"), float("inf")
-    U_x = scene.shear_at(np.arange(scene.shear_increments + 1))
-    clear = np.ones(len(U_x), bool)
+    U_x: Any = scene.shear_at(np.arange(scene.shear_increments + 1))  # type: ignore[arg-type]
+    clear = np.full(len(U_x), True)
     for load in slips:  # a small error of the load moves a point to the other side of a slip
         clear &= np.abs(U_x - load) > AGREE_U
     F, F_bar = (skeleton.curve(U_x)[0] for skeleton in (predicted, exact))
@@ -75,7 +75,7 @@ def picture(skeleton: Skeleton, at: float) -> dict[str, Any]:
     """
     scene = skeleton.scene
     steps, every = _increments(scene, [slip.load for slip in skeleton.slips])
-    loads = scene.shear_at(steps)
+    loads: Any = scene.shear_at(steps)
     v = skeleton.unknowns(loads)
     T = skeleton.tractions(v)
     shown = int(np.abs(loads - at).argmin())

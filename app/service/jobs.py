@@ -15,7 +15,7 @@ In a session, `Jobs.start` calls back instead: see `app/service/requests.py` and
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Iterable
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
 from concurrent.futures import CancelledError
 from contextlib import aclosing, suppress
 from functools import partial, reduce
@@ -155,7 +155,7 @@ class Jobs:
             for scene in scenes:
                 await self.result(compute, scene, owner=NOBODY)
 
-    async def _news(self, *call: Any, owner: object, **how: Any) -> AsyncIterator[Job]:
+    async def _news(self, *call: Any, owner: object, **how: Any) -> AsyncGenerator[Job, None]:
         """Yield the job of a call whenever it has news; raises its exception."""
         loop, news = asyncio.get_running_loop(), asyncio.Event()
 

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver import NotFollowed, SceneError, follow
+from solver import NotFollowed, Scene, SceneError, follow
 from solver.analysis.friction_laws import critical_modulus, softening
 from solver.continuation.trace import Branch
+from solver.following.skeleton import Skeleton
 from solver.run.load_steps import lifts
 
 SLIDERS = ("delta_bar", "phi_ratio", "E")
@@ -24,15 +25,15 @@ MOST = 20  # steps on the way to L = 0, at most
 ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 
-def calls(scene, skeleton):
+def calls(scene: Scene, skeleton: Skeleton | None) -> dict[str, tuple]:
     """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its Skeleton or None."""
-    made = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
+    made: dict[str, tuple] = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
     if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
         made |= {name: (of_flat, scene, name) for name in ENDS}
     return made
 
 
-def key(scene, name):
+def key(scene: Scene, name: str) -> Scene:
     """Cache key of the marks of a slider: the scene with a fixed value of that slider."""
     try:
         return scene.changed(**{name: 0.0 if name == "delta_bar" else ENDS[name][0]})
@@ -40,7 +41,7 @@ def key(scene, name):
         return scene
 
 
-def of_skeleton(skeleton, name):
+def of_skeleton(skeleton: Skeleton, name: str) -> tuple[tuple[float, str], ...]:
     """Return the marks ((value, label), ...) of slider `name`, from a Skeleton."""
     if name == "delta_bar":
         marks = (_no_load(skeleton), "no load"), (skeleton.jumps_in, "jumps in")
@@ -49,7 +50,7 @@ def of_skeleton(skeleton, name):
     return () if border is None else ((border, LABELS[name]),)
 
 
-def of_flat(scene, name):
+def of_flat(scene: Scene, name: str) -> tuple[tuple[float, str], ...]:
     """Return the marks of a flat, exactly: stick-slip ends where the interface softens by less than k."""
     value = critical_modulus(scene)
     if name == "phi_ratio":

@@ -2,6 +2,7 @@
 
 import os
 from time import monotonic
+from typing import Any
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, disable_created_metrics, generate_latest
 
@@ -29,27 +30,27 @@ not_followed = Counter(
 )
 
 
-def count(name, more=1):
+def count(name: str, more: float = 1) -> None:
     """Increase a counter of COUNTERS; any thread may call this."""
     _counters[name].inc(more)
 
 
-def counted(name):
+def counted(name: str) -> float | None:
     """Return the value of a counter."""
     return _registry.get_sample_value(f"contact_{name}_total")
 
 
-def gauge(name, meaning, value):
+def gauge(name: str, meaning: str, value: Any) -> None:
     """Register a gauge that calls `value()` for every request."""
     Gauge(f"contact_{name}", meaning, registry=_registry).set_function(value)
 
 
-def text():
+def text() -> bytes:
     """Return all metrics in the text format of Prometheus, as bytes."""
     return generate_latest(_registry)
 
 
-def memory():
+def memory() -> float:
     """Return the resident memory of this process, bytes (Linux; nan elsewhere)."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:
@@ -64,14 +65,12 @@ class LoopLag:
     EVERY = 0.05  # s
     BUCKETS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # s
 
-    def __init__(self, registry=None):
+    def __init__(self, registry: Any = None) -> None:
         meaning = "lag of the server's event loop"
-        self.last, self.lags = (
-            None,
-            Histogram("contact_loop_lag_seconds", meaning, registry=registry, buckets=self.BUCKETS),
-        )
+        self.last: float | None = None
+        self.lags = Histogram("contact_loop_lag_seconds", meaning, registry=registry, buckets=self.BUCKETS)
 
-    def record(self):
+    def record(self) -> None:
         """Record the time since the last call minus EVERY."""
         now = monotonic()
         if self.last is not None:

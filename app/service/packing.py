@@ -9,9 +9,12 @@ import zlib
 from dataclasses import dataclass, replace
 from itertools import groupby
 from math import e, hypot
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from solver import Frame, Scene
 from solver.files import plain
 from solver.following.skeleton import Skeleton
 from solver.run.frame import STAGES, moving
@@ -49,10 +52,10 @@ class Frames:
         """These frames and those that follow."""
         counted = (getattr(self, name) + getattr(more, name) for name in ("blocks", "frames", "evaluations"))
         largest = (max(getattr(self, name), getattr(more, name)) for name in LARGEST)
-        return Frames(*counted, *largest, more.ahead, more.failure, more.skeleton)
+        return Frames(*counted, *largest, more.ahead, more.failure, more.skeleton)  # type: ignore[call-arg]
 
 
-def packed(scene, rows, done):
+def packed(scene: Scene, rows: Any, done: bool) -> tuple[bytes, ...]:
     """Blocks of rows (frame, work), a tuple, cut where the patch changes, so that every block is a rectangle."""
     if scene.surface == "flat":
         rows = [(middle(scene, frame), work) for frame, work in rows]
@@ -60,13 +63,13 @@ def packed(scene, rows, done):
     return tuple(pack(scene, block, done and block is blocks[-1]) for block in blocks)
 
 
-def pack(scene, rows, last):
+def pack(scene: Scene, rows: Any, last: bool) -> bytes:
     """Bytes of rows (frame, work) of one patch: uint32 length, JSON header of `arrays`, and these, `compressed`."""
-    head, *numbers = arrays(scene, rows, last)
-    return headed(head, compressed(*numbers))
+    head, columns, fields = arrays(scene, rows, last)
+    return headed(head, compressed(columns, fields))
 
 
-def arrays(scene, rows, last):
+def arrays(scene: Scene, rows: Any, last: bool) -> tuple[dict[str, Any], NDArray[np.float32], NDArray[np.int16]]:
     """Return (header, float32 COLUMNS (c, n), int16 FIELDS (4, n, m)) of rows (frame, work) of one patch.
 
     scene: of all these frames. The header has its parameters, and names the columns, and the fields with their scales,
@@ -90,8 +93,8 @@ def arrays(scene, rows, last):
         "first": first,
         "scales": dict(zip(FIELDS, scales, strict=True)),
     }
-    fields = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
-    return of_block | _of_scene(scene), np.ascontiguousarray(curves), fields
+    packed = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
+    return of_block | _of_scene(scene), np.ascontiguousarray(curves), packed
 
 
 def _of_scene(scene):
@@ -117,7 +120,7 @@ def _of_scene(scene):
     }
 
 
-def compressed(columns, fields, level=LEVEL):
+def compressed(columns: Any, fields: NDArray[Any], level: int = LEVEL) -> bytes:
     """Columns (c, n), as integers, and fields (4, n, m): what changes over frames, and of fields over nodes; deflated.
 
     Fields come node by node. All first bytes come first, then all second bytes. Integers wrap around: nothing is lost.
@@ -141,19 +144,19 @@ def _summed(planes, kind, shape):
     return numbers
 
 
-def headed(head, body):
+def headed(head: dict[str, Any], body: bytes) -> bytes:
     """Bytes: uint32 length, a JSON head, the body."""
     text = json.dumps(head).encode()
     return struct.pack("<I", len(text)) + text + body
 
 
-def header(block):
+def header(block: bytes) -> dict[str, Any]:
     """What `pack` wrote in front of a block."""
     length = struct.unpack_from("<I", block)[0]
     return json.loads(block[4 : 4 + length])
 
 
-def columns(block):
+def columns(block: bytes) -> tuple[dict[str, Any], dict[str, NDArray[np.float32]]]:
     """(header, {column: (n,)}) of a packed block."""
     head = header(block)
     n, count = head["frames"], len(head["columns"])
@@ -161,7 +164,7 @@ def columns(block):
     return head, dict(zip(head["columns"], curves, strict=True))
 
 
-def unpack(block):
+def unpack(block: bytes) -> tuple[dict[str, Any], dict[str, NDArray[np.float32]], dict[str, NDArray[np.int16]]]:
     """(header, {column: (n,)}, {field: (n, m), int16 in units of its scale}) of a packed block."""
     head, curves = columns(block)
     n, m, start = head["frames"], head["nodes"], 4 * len(curves) * head["frames"]
@@ -184,7 +187,7 @@ def _span(scene):
     return [-end if scene.path == "loop" else 0.0, end]
 
 
-def stages_of(scene):
+def stages_of(scene: Scene) -> tuple[str, ...]:
     """The stages that the column "stage" counts."""
     return tuple(step.stage for step in load_steps_of(scene)) if scene.legs else ORDER
 
@@ -201,7 +204,7 @@ def _numbers(scene, frame, work):
     return stages_of(scene).index(frame.stage), *numbers, len(frame.slips), *slip, work, at
 
 
-def middle(scene, frame):
+def middle(scene: Scene, frame: Frame) -> Frame:
     """The same frame with the fields of the nodes in the middle only."""
     first = max(0, (scene.nodes - FLAT) // 2)
     part = slice(first, first + min(FLAT, scene.nodes))

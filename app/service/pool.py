@@ -8,6 +8,7 @@ module calls: with APP_SCHEDULER it is a worker of a dask cluster (`solver.clust
 import atexit
 import logging
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 from multiprocessing import set_forkserver_preload
@@ -37,7 +38,7 @@ OPEN = (
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 
-def default_size():
+def default_size() -> int:
     """Return one worker per available core, at least two, so that an outdated slice never blocks a new one."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 2
     return WORKERS or max(2, cores)
@@ -59,7 +60,7 @@ class Pool:
     Owners take turns. Expensive and background tasks never take the last worker.
     """
 
-    def __init__(self, size=None, patience=PATIENCE, make=Caller):
+    def __init__(self, size: int | None = None, patience: float = PATIENCE, make: Callable[[], Any] = Caller) -> None:
         self.size, self.patience, self.make = size or default_size(), patience, make
         self.replaced = 0  # workers lost
         self.why = ""  # why no worker can start
@@ -71,24 +72,24 @@ class Pool:
         self._last_ready = -inf  # time when a worker was last ready, s, monotonic
 
     @property
-    def status(self):
+    def status(self) -> str:
         if not self._slots:
             return "closed"
         return "ready" if any(slot.ready for slot in self._slots) else "failing" if self.why else "warming"
 
     @property
-    def ready(self):
+    def ready(self) -> int:
         """Number of workers that are ready."""
         return sum(slot.ready for slot in self._slots)
 
     @property
-    def in_flight(self):
+    def in_flight(self) -> int:
         """Number of tasks that wait or run for visitors."""
         with self._lock:
             tasks = [task for task in (*self._queue, *(slot.task for slot in self._slots)) if task is not None]
             return sum(task.owner != NOBODY and not task.abandoned and not task.done() for task in tasks)
 
-    def start(self):
+    def start(self) -> None:
         """Start the first worker, which compiles or loads the kernels, then the others; may be called twice."""
         with self._lock:
             if self._slots or self._closing.is_set():
@@ -99,7 +100,15 @@ class Pool:
                 Thread(target=self._run_slot, args=(slot, number), name=f"slot {number}", daemon=True).start()
         atexit.register(self.close)
 
-    def submit(self, call, *arguments, owner=None, rank=SCREEN, seconds=0.0, hear=None):
+    def submit(
+        self,
+        call: Any,
+        *arguments: Any,
+        owner: object | None = None,
+        rank: int = SCREEN,
+        seconds: float = 0.0,
+        hear: Callable[[Any], None] | None = None,
+    ) -> Task:
         """Add a call to the queue and return its Task.
 
         seconds: its expected duration, at most. hear(item) is called with each item if the call returns a generator.
@@ -115,7 +124,7 @@ class Pool:
                 self._dispatch()
         return task
 
-    def abandon(self, task, end=False):
+    def abandon(self, task: Task, end: bool = False) -> None:
         """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once.
 
         end: also end the worker that runs it, as the task takes long. Another worker takes its slot.
@@ -130,12 +139,12 @@ class Pool:
         if caller is not None:
             caller.end()
 
-    def position(self, task):
+    def position(self, task: Task) -> int | None:
         """Number of tasks before this one; None if it does not wait."""
         with self._lock:
             return self._queue.position(task)
 
-    def alive(self):
+    def alive(self) -> tuple[bool, str]:
         """Return (healthy, reason). Healthy: a worker answered lately, or an idle worker's process lives."""
         if self.why:
             return False, self.why
@@ -146,12 +155,12 @@ class Pool:
             return True, ""
         return False, f"no worker has answered for {min(silent, 1e6):.0f} s"
 
-    def processes(self):
+    def processes(self) -> list[int]:
         """Process ids of the workers on this machine."""
         with self._lock:
             return [slot.caller.process.pid for slot in self._slots if isinstance(slot.caller, Caller)]
 
-    def close(self):
+    def close(self) -> None:
         """End every worker at once, even during a slice."""
         self._closing.set()
         self._warm.set()
@@ -276,7 +285,7 @@ class Pool:
                 other.set_exception(Lost("closed", self.why))
 
 
-def made():
+def made() -> Pool:
     """Return the pool that the environment variables select."""
     if CLUSTER is None:
         return Pool()

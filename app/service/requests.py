@@ -15,7 +15,7 @@ class Requests:
 
     def __init__(self, session: Any, take: Callable[[Call, Any], None] | None = None) -> None:
         """take(call, result) receives the results of `add`."""
-        self.session, self._take_each = session, take
+        self.session, self._take_each = session, take or _ignored
         self.waiting: dict[Call, Callable[[Any], None]] = {}  # the function that receives the result
         self._jobs: dict[Call, Job] = {}
         self._heard: dict[Call, Callable[[Any], None]] = {}  # what receives the parts of a call, if anything does
@@ -29,7 +29,7 @@ class Requests:
     def add(self, calls: Iterable[Call]) -> None:
         """Request calls [(function, *arguments)] in the background."""
         for call in calls:
-            self.add_one(call, partial(self._take_each, call))  # type: ignore[arg-type]
+            self.add_one(call, partial(self._take_each, call))
 
     def add_one(
         self, call: Call, take: Callable[[Any], None], hear: Callable[[Any], None] | None = None, **how: Any
@@ -78,3 +78,7 @@ class Requests:
         self._heard.pop(call, None)
         if call in self.waiting:
             self.waiting.pop(call)(result)
+
+
+def _ignored(call: Call, result: Any) -> None:
+    """Take no result."""

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from app.service import packing, worker
-from solver.presets import presets
+from app.service.packing import Frames
+from solver.presets import Preset, presets
 
 FOLDER = Path(__file__).parents[1] / "static" / "runs"
 LARGEST = 60_000  # bytes of a file
@@ -22,17 +23,17 @@ STEP = 32  # resolution of a stored field in int16 units: 0.1 % of its largest v
 MOST = 32767 // STEP  # largest stored value
 
 
-def row():
+def row() -> dict[str, Preset]:
     """Return {name: Preset} of the experiments at the top of the page."""
     return {name: preset for name, preset in presets().items() if preset.short}
 
 
-def path_of(name):
+def path_of(name: str) -> Path:
     """Return the path of a preset's stored run."""
     return FOLDER / f"{name}.bin"
 
 
-def thinned(block):
+def thinned(block: bytes) -> bytes:
     """Return a stored run, bytes, from the packed block of a whole run."""
     head, columns, fields = packing.unpack(block)
     nodes = np.unique(np.append(np.arange(0, head["nodes"], NODES), head["nodes"] - 1))
@@ -61,11 +62,12 @@ def _kept(values):
     return np.array(sorted(kept))
 
 
-def main():
+def main() -> None:
     """Compute and write all stored runs."""
     FOLDER.mkdir(exist_ok=True)
     for name, preset in row().items():
         made = worker.compute(preset.scene, None, np.inf, limit=np.inf)
+        assert isinstance(made, Frames)  # nothing bounds its time
         if made.failure or len(made.blocks) != 1:
             sys.exit(f"{name} cannot be stored: {made.failure or 'its nodes change on the way; store one block only'}")
         run = thinned(*made.blocks)

@@ -6,13 +6,14 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import segno
 
 from app.service import packing, worker
 from app.service.worker import Part
-from solver import LIMITS, NotConverged, ProfileError, advance, read_profile
+from solver import LIMITS, NotConverged, Profile, ProfileError, Scene, advance, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, friction_force, search_on
 from solver.analysis.interior import transfer, wavenumbers
@@ -32,7 +33,7 @@ DRAWN = 400  # points of a drawn curve, about one per pixel
 DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
 
 
-def flat_curve(scene, state=None):
+def flat_curve(scene: Scene, state: Any = None) -> Any:
     """Return (U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin.
 
     It may also return a Part, or the NotConverged that ended the run.
@@ -48,7 +49,7 @@ def flat_curve(scene, state=None):
     return NotConverged(checkpoint.failure) if checkpoint.failure else tuple(np.array(rows, dtype=np.float32).T)
 
 
-def flat_friction(scene, state=None):
+def flat_friction(scene: Scene, state: Any = None) -> Any:
     """Return the largest and the smallest F_bar of a run during sliding, and its increments; or Part, or the error."""
     done, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
@@ -64,7 +65,7 @@ def flat_friction(scene, state=None):
     return force.F_s, force.F_k, len(done)
 
 
-def onset_of(scene, state=None):
+def onset_of(scene: Scene, state: Any = None) -> Any:
     """Return the Onset of a scene, its curves float32 with about DRAWN points; a Part; or a str: why there is none."""
     try:
         search = search_on(scene, state or Search(), SLICE, worker.SLOW)
@@ -80,7 +81,7 @@ def onset_of(scene, state=None):
     return numbers | curves | {"L_0": float(onset.L[0])}
 
 
-def what_matters(scene):
+def what_matters(scene: Scene) -> dict[str, Any] | str:
     """Return the sensitivities of the first slip for the page "What matters"; or a sentence: why there are none.
 
     bars: {parameter: [U_s, F_s, A_s]}, change in per cent per 1 % of the parameter, or per 0.01 of a parameter that is
@@ -109,13 +110,13 @@ def what_matters(scene):
     return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
 
 
-def map_point(task):
+def map_point(task: Any) -> tuple[Any, bytes | None]:
     """Return (Point, its pickled Skeleton or None) of a maps.Task that starts from such bytes."""
     point, skeleton = computed_point(replace(task, start=task.start and pickle.loads(task.start)))
-    return point, skeleton and pickle.dumps(skeleton)
+    return point, pickle.dumps(skeleton) if skeleton else None
 
 
-def layer_table(scene, depth, rows, modes):
+def layer_table(scene: Scene, depth: float, rows: Any, modes: int) -> tuple[list[int], float, bytes]:
     """Return (counts, scale, body): stresses in the layer per mode of the tractions, for `rows` down to `depth`, nm.
 
     Each row is evaluated at its centre, with its first `counts` modes. body: int16 (sum of counts, 6) in units of
@@ -132,7 +133,7 @@ def layer_table(scene, depth, rows, modes):
     return counts.tolist(), scale, np.rint(factors / scale).astype("<i2").tobytes()
 
 
-def slow_motion(scene, frame, state=None):
+def slow_motion(scene: Scene, frame: int, state: Any = None) -> tuple[bytes, ...] | Part | str:
     """Return packed blocks of the transient that led to a frame of the run; a Part; or a str: why there is none.
 
     The run is repeated, as the browser's frames are rounded.
@@ -153,7 +154,7 @@ def slow_motion(scene, frame, state=None):
     return packing.packed(scene, [(frame, 0.0) for frame in film], True) if film else "no branch ends here"
 
 
-def measured(text):
+def measured(text: str) -> tuple[Profile | None, str | None]:
     """Return (the Profile in the text of a CSV, None), or (None, why the text is not usable)."""
     try:
         return read_profile(text.encode()), None  # a text without a line break would name a file
@@ -161,7 +162,7 @@ def measured(text):
         return None, str(error)
 
 
-def measured_curve(text, scene):
+def measured_curve(text: str, scene: Scene) -> tuple[Measurement | None, str | None]:
     """Return (the Measurement in the text of a CSV, None), or (None, why the text is not usable)."""
     try:
         return read_measurement(StringIO(text), scene), None
@@ -169,7 +170,7 @@ def measured_curve(text, scene):
         return None, str(error)
 
 
-def made_up_scene(scene, seed):
+def made_up_scene(scene: Scene, seed: int) -> Scene:
     """Return the Scene of example data."""
     change = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, 2)
     values = {"delta_bar": scene.delta_bar + 0.1 * change[1], "phi_ratio": scene.phi_ratio * APART ** change[0]}
@@ -177,7 +178,7 @@ def made_up_scene(scene, seed):
     return scene.changed(path="shear", **within)
 
 
-def made_up_curve(scene, seed):
+def made_up_curve(scene: Scene, seed: int) -> tuple[Measurement | None, str | None]:
     """Return (a noisy Measurement with slightly different friction and depth, None); or (None, why)."""
     other, rng = made_up_scene(scene, seed), np.random.default_rng(seed)
     try:
@@ -190,7 +191,7 @@ def made_up_curve(scene, seed):
     return Measurement.of(U_x, {"F_bar": F_bar + noise[0], "L_bar": L_bar + noise[1]}, unit=unit), None
 
 
-def fitted(scene, measured, free):
+def fitted(scene: Scene, measured: Any, free: tuple[str, ...]) -> Any:
     """Return the Fit of parameters to a Measurement, or a sentence: why there is none."""
     try:
         return fit(scene, measured, free)
@@ -198,7 +199,7 @@ def fitted(scene, measured, free):
         return f"{error}".rstrip(".")
 
 
-def file_of_run(scene, kind):
+def file_of_run(scene: Scene, kind: str) -> bytes | None:
     """Return the file that `python -m solver run` writes, bytes, or None if the run takes longer than LONGEST_FILE.
 
     kind: npz or json. The file ends where the run did not converge.
@@ -218,6 +219,6 @@ def file_of_run(scene, kind):
         return file.read_bytes()
 
 
-def qr_code(link):
+def qr_code(link: str) -> str:
     """Return the QR code of a link as the data URI of an SVG."""
     return segno.make(link, error="l").svg_data_uri(scale=4, border=2)

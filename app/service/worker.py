@@ -3,6 +3,7 @@
 import os
 import pickle
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -44,7 +45,7 @@ class Part:
     heavy: bool = False
 
 
-def start():
+def start() -> None:
     """Prepare a new worker: lower its priority and load the kernels."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
@@ -54,19 +55,19 @@ def start():
 class _Compiled(Listener):
     """Counts the kernels of `solver` as they are compiled, and puts the count into a queue."""
 
-    def __init__(self, queue):
+    def __init__(self, queue: SimpleQueue) -> None:
         self.queue, self.count = queue, 0
 
-    def on_start(self, event):
+    def on_start(self, event: Any) -> None:
         """Do nothing: the kernel is not compiled yet."""
 
-    def on_end(self, event):
+    def on_end(self, event: Any) -> None:
         if event.data["dispatcher"].py_func.__module__.startswith("solver."):  # Numba has others
             self.count += 1
             self.queue.put(self.count)
 
 
-def start_up():
+def start_up() -> Iterator[int]:
     """Do the same as `start`, and yield the number of kernels compiled so far."""
     compiled = SimpleQueue()
     with install_listener("numba:compile", _Compiled(compiled)), ThreadPoolExecutor(1) as thread:
@@ -76,7 +77,7 @@ def start_up():
         done.result()
 
 
-def warm_up():
+def warm_up() -> None:
     """Run a small scene with slips and the first increments of the default one: compile kernels, plan the FFTs."""
     checkpoint = None
     small = Scene(nodes=128, width=312.5, radius=20.0, u_x_max=16.0)
@@ -86,7 +87,7 @@ def warm_up():
     transfer(np.ones(1), np.ones(1), 2.0, 1.0, small.nu)
 
 
-def ready():
+def ready() -> None:
     """A task that does nothing."""
 
 

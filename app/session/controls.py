@@ -4,12 +4,13 @@ import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import inf
+from typing import Any
 
 import numpy as np
 
 from app.limits import DEFAULT, INCREMENTS, MOST, NUMBERS, increments_of
 from app.session import profiles
-from solver import CHOICES, LIMITS, ProfileError, SceneError
+from solver import CHOICES, LIMITS, Profile, ProfileError, Scene, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
 from solver.surfaces import SURFACES
@@ -28,11 +29,11 @@ class Control:
     positions: tuple
 
     @property
-    def low(self):
+    def low(self) -> float:
         return self.positions[0]
 
     @property
-    def high(self):
+    def high(self) -> float:
         return self.positions[-1]
 
 
@@ -88,7 +89,7 @@ STAYS = " The run on screen stays."
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def drawer():
+def drawer() -> dict[str, list[str]]:
     """Return {group: names} of the parameters without a slider, in the order of Scene."""
     groups = {}
     for name, parameter in PARAMETERS.items():
@@ -97,12 +98,12 @@ def drawer():
     return groups
 
 
-def words(name):
+def words(name: str) -> str:
     """Return the label of a parameter in the drawer: its meaning up to the first comma or semicolon."""
     return re.split("[,;]", PARAMETERS[name].meaning)[0]
 
 
-def meaning(name):
+def meaning(name: str) -> str:
     """Return the hint beside a parameter in the drawer: the rest of its meaning, and its range."""
     if name in CHOICES:
         return ""
@@ -111,7 +112,7 @@ def meaning(name):
     return f"{rest}; {parameter.span}" if rest else parameter.span
 
 
-def applies(name):
+def applies(name: str) -> dict[str, list[str]]:
     """Return {"surface" or "path": choices for which a parameter has an effect}; empty: for all."""
     kinds = [kind for kind, surface in SURFACES.items() if name in surface.parameters]
     if kinds:
@@ -121,7 +122,7 @@ def applies(name):
     return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x", "drive_t") else {}
 
 
-def read(name, text, notes=None, scene=None):
+def read(name: str, text: str, notes: list[str] | None = None, scene: Scene | None = None) -> Any:
     """Return the value of an entry for parameter `name`, checked against its range in the app; raises SceneError.
 
     scene: if given, lengths may have a unit: '4 nm' then means 0.4 delta_0.
@@ -133,14 +134,14 @@ def read(name, text, notes=None, scene=None):
     return RANGES[name].checked(name, number_from_text(name, text, notes, RANGES[name], whole))
 
 
-def message_of(error, text=None):
+def message_of(error: SceneError, text: str | None = None) -> str:
     """Return a SceneError as a message in the page's terms: 'Press depth “-3”: allowed: ...'."""
     value = shown(error.value) if isinstance(error.value, float) else error.value
     message = f"“{str(text or value)[:40]}”: {in_words(f'{error.allowed}; {error.remedy}')}"
     return f"{LABELS.get(error.name, error.name)} {message}"
 
 
-def in_words(text):
+def in_words(text: str) -> str:
     """Replace parameter names by the labels of sliders, and format numbers: −1 to 10⁶."""
     for name, label in LABELS.items():
         text = re.sub(rf"\b{name}\b", label, text)
@@ -148,7 +149,9 @@ def in_words(text):
     return re.sub(r"(?<![\w.])-(?=\d)", "−", text).replace(" .. ", " to ")
 
 
-def changed_scene(scene, entries, notes=None):
+def changed_scene(
+    scene: Scene, entries: dict[str, Any], notes: list[str] | None = None
+) -> tuple[Scene, dict[str, str]]:
     """Return `scene` with every valid value of `entries` {name: text}, and {name: message} of the others.
 
     notes: a list; messages on how a text was read are added to it.
@@ -175,7 +178,7 @@ def changed_scene(scene, entries, notes=None):
         return scene, errors | {where: f"{message_of(error, entries.get(error.name))}.{STAYS}"}
 
 
-def with_profile(scene, profile):
+def with_profile(scene: Scene, profile: Profile) -> Scene:
     """Return `scene` with the surface of a Profile; raises SceneError."""
     changed = scene.changed(surface="measured", measured=profile, width=profile.length)
     _refuse_large(changed, ())
@@ -197,7 +200,7 @@ def _refuse_large(scene, values):
         )
 
 
-def scene_from_address(arguments):
+def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
     """Return (scene, preset, notes) of the page's address {name: [bytes]}, with a note per invalid value."""
     entries = {name: values[-1].decode("utf-8", "replace") for name, values in arguments.items() if values}
     notes = [_unknown(name) for name in arguments if name not in FOR_SERVER and name not in FOR_BROWSER]
@@ -232,21 +235,21 @@ def _unknown(name):
     return f"“{name[:40]}” in the address is unknown and has no effect{f'. Use {close}.' if close else '.'}"
 
 
-def shown(value):
+def shown(value: Any) -> str:
     """Return a value as the text of an entry."""
     return value if isinstance(value, str) else f"{value:.12g}"
 
 
-def values_of(scene):
+def values_of(scene: Scene) -> dict[str, Any]:
     """Return {name: value} of all parameters for JSON: infinity becomes a text."""
     values = {name: getattr(scene, name) for name in PARAMETERS}
     return {name: "inf" if value == inf else value for name, value in values.items()}
 
 
-def address_of(scene, preset):
+def address_of(scene: Scene, preset: str) -> dict[str, str]:
     """Return the address {name: text} that restores this scene: the preset, and the differences from it."""
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
-    if scene.surface == "measured":
+    if scene.surface == "measured" and scene.measured is not None:
         values["profile"] = profiles.name_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values

@@ -4,6 +4,7 @@ A film and the table of a layer belong to one visitor. All visitors share pinned
 """
 
 from functools import partial
+from typing import Any
 
 from app.service import marks, tasks, worker
 from app.service.packing import Frames
@@ -11,6 +12,8 @@ from app.service.requests import Requests
 from app.session import orders
 from app.session.controls import scene_from_address
 from app.session.orders import order
+from solver import Frame, Scene
+from solver.following.skeleton import Skeleton
 
 MOST_PINNED = 4
 LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
@@ -23,7 +26,7 @@ class Film(Requests):
     """The transient during a slip of the run on screen."""
 
     @order("film", run=orders.is_whole, frame=orders.is_whole)
-    def request(self, run, frame):
+    def request(self, run: int, frame: Frame) -> None:
         """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
         self.cancel()
         shown = self.session.run
@@ -42,7 +45,7 @@ class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 
     @order("layer", rows=orders.is_number, modes=orders.is_number, depth=orders.is_number)
-    def request(self, rows, modes, depth):
+    def request(self, rows: Any, modes: int, depth: float) -> None:
         """Send the table for the run on screen: {rows, modes, depth (nm) of the last row}.
 
         A browser repeats its request while it waits. That must not start the work again.
@@ -70,12 +73,12 @@ class Layer(Requests):
 class Pinned:
     """The pinned runs of an address, one call per pin. Each is sent when complete."""
 
-    def __init__(self, session):
+    def __init__(self, session: Any) -> None:
         self.session = session
         self.pins = {pin: Requests(session) for pin in range(1, MOST_PINNED + 1)}
 
     @order("pin", pin=orders.is_whole, values=orders.is_address)
-    def request(self, pin, values):
+    def request(self, pin: int, values: dict[str, Any]) -> None:
         """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
         if pin in self.pins:
             scene, *_ = scene_from_address({name: [text.encode()] for name, text in values.items()})
@@ -89,7 +92,7 @@ class Pinned:
         for block in run.blocks:
             self.session.send("pinned", pin=pin, body=block)
 
-    def cancel(self):
+    def cancel(self) -> None:
         """Cancel all calls."""
         for requests in self.pins.values():
             requests.cancel()
@@ -98,11 +101,11 @@ class Pinned:
 class Marks(Requests):
     """The marks beside the sliders; `values`: {slider: ((value, label), ...)} of those found so far."""
 
-    def __init__(self, session):
+    def __init__(self, session: Any) -> None:
         super().__init__(session, self._made)
         self.calls, self.keys, self.values = {}, {}, {}
 
-    def seek(self, scene, skeleton):
+    def seek(self, scene: Scene, skeleton: Skeleton | None) -> None:
         """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
         self.cancel()
         keys = {name: marks.key(scene, name) for name in marks.SLIDERS}

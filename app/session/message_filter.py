@@ -9,7 +9,9 @@ browser.
 import asyncio
 import json
 import logging
+from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
@@ -34,7 +36,7 @@ connected = set()  # ids of the sessions whose browsers are connected
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
-def is_full(peer):
+def is_full(peer: str) -> bool:
     """Whether the maximum number of browsers is connected; if so, count a rejection of this address."""
     if len(connected) < VISITORS:
         return False
@@ -46,14 +48,14 @@ def is_full(peer):
 class MessageFilter(WSHandler):
     """The websocket of one visitor."""
 
-    def __init__(self, *args, **options):
+    def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self.parts, self.name, self.rejected, self.silent = 0, None, False, True
 
-    def set_default_headers(self):
+    def set_default_headers(self) -> None:
         self.clear_header("Server")
 
-    def open(self, *where, **named):
+    def open(self, *where: Any, **named: Any) -> Any:
         """Accept a browser with the token of its page, unless the server is full."""
         try:
             if not self._token or len(self._token) > TOKEN:
@@ -70,7 +72,7 @@ class MessageFilter(WSHandler):
         except Exception as error:  # a forged token may raise anything
             self._reject(error)
 
-    def on_close(self):
+    def on_close(self) -> None:
         """Handle the end of the connection. Bokeh may have noticed it before, by a ping, while messages waited."""
         connected.discard(self.name)
         if self._session is not None:
@@ -102,7 +104,7 @@ class MessageFilter(WSHandler):
         except AssertionError:
             return None
 
-    async def on_message(self, fragment):
+    async def on_message(self, fragment: str | bytes) -> None:
         """Let Bokeh parse a part of a message, and obey the message when complete."""
         if self.rejected:
             return await asyncio.sleep(0)
@@ -122,7 +124,7 @@ class MessageFilter(WSHandler):
                 await self._answer(message, given)
         await asyncio.sleep(0)  # Tornado awaits this for its whole buffer: other visitors have a turn
 
-    async def send_message(self, message):
+    async def send_message(self, message: Any) -> None:
         """Send a message, unless the browser has left meanwhile. Bokeh would log a warning for each one that waits."""
         with suppress(WebSocketClosedError):
             await message.send(self)
@@ -167,7 +169,7 @@ def _orders(message):
     return given
 
 
-def decoded(value, files=()):
+def decoded(value: Any, files: Sequence[Any] = ()) -> Any:
     """Return a value that BokehJS has encoded, from plain values, lists, objects and one file of `files`, a text."""
     if isinstance(value, list):
         return [decoded(each, files) for each in value]

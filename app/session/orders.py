@@ -23,7 +23,7 @@ class Wire(DataModel):
 class Refused(ValueError):
     """A rejected order."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__("The page sent an order that this server does not know. Reload the page.")
 
 

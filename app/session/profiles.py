@@ -1,22 +1,24 @@
 """Uploaded profiles, by the names that identify them in an address."""
 
 import hashlib
+from typing import Any
 
 from cachetools import LRUCache
 
-from solver import ProfileError
+from solver import Profile, ProfileError
 
 _kept = LRUCache(32)  # profiles of this server by name, the latest used
 
 
-def name_of(profile):
+def name_of(profile: Profile) -> str:
     """Keep a Profile, and return its name."""
-    name = hashlib.sha256(profile.heights + f" {profile.length!r}".encode()).hexdigest()[:12]
+    heights: Any = profile.heights  # bytes, once it is made
+    name = hashlib.sha256(heights + f" {profile.length!r}".encode()).hexdigest()[:12]
     _kept[name] = profile
     return name
 
 
-def profile_of(name):
+def profile_of(name: str) -> Profile:
     """Return the Profile of a name; raises ProfileError."""
     profile = _kept.get(name)
     if profile is None:

@@ -1,7 +1,10 @@
 """The session of a visitor: runs the orders of the browser, and publishes the status of the run."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from bokeh.document import Document
 
 from app import document
 from app.service import metrics, tasks
@@ -13,9 +16,9 @@ from app.session import controls, orders
 from app.session.extras import Film, Layer, Marks, Pinned
 from app.session.orders import Wire, order, orders_of
 from app.session.pursuit import Pursuit
-from app.session.run import Request
+from app.session.run import Request, Run
 from app.session.share import Share
-from solver import SceneError
+from solver import Scene, SceneError
 
 log = logging.getLogger("app")
 visitors = set()  # sessions of this process; Panel's own count is late
@@ -24,7 +27,9 @@ visitors = set()  # sessions of this process; Panel's own count is late
 class Session:
     """The session of one visitor. Every method runs under the lock of the visitor's document."""
 
-    def __init__(self, doc, pages, arguments=None, jobs: Jobs = shared_jobs):
+    def __init__(
+        self, doc: Document, pages: Callable[[Any], Any], arguments: Any = None, jobs: Jobs = shared_jobs
+    ) -> None:
         """pages(session) makes the pages beside the experiment."""
         self.doc, self.jobs = doc, jobs
         self.wire = Wire()
@@ -42,7 +47,7 @@ class Session:
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
 
-    def close(self):
+    def close(self) -> None:
         """Cancel every call: the visitor left."""
         if not self.closed:
             self.closed = True
@@ -53,7 +58,7 @@ class Session:
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.jobs.pool.in_flight)
 
-    def send(self, kind, **content):
+    def send(self, kind: str, **content: Any) -> None:
         """Send a message to the browser, whose values are those of JSON, or bytes."""
         if not self.closed:
             document.send(self.doc, kind, content)
@@ -65,7 +70,7 @@ class Session:
 
     # orders from the browser
 
-    def obey(self, given):
+    def obey(self, given: Any) -> None:
         """Run an order of the browser, {name: value}. Every order is acknowledged, even a rejected one.
 
         A picture acknowledges its own order. Until then the browser sends no newer position of the slider.
@@ -76,7 +81,7 @@ class Session:
         try:
             method, values = orders.read(given, self.orders)
             method(**values)
-            pictured = values.get("held") and self.pursuit.state == "following"
+            pictured = bool(values.get("held")) and self.pursuit.state == "following"
         except orders.Refused as refused:
             metrics.count("rejected_messages")
             self.notes = [f"{refused}{controls.STAYS}"]
@@ -86,12 +91,12 @@ class Session:
             self.publish()
 
     @order("hello")
-    def hello(self):
+    def hello(self) -> None:
         """Start the first run: the page is ready."""
         self.pursuit.request(Request(self.scene))
 
     @order("scene", values=orders.are_entries, held=orders.is_flag, at=orders.is_number)
-    def change(self, values, held=False, at=0.0):
+    def change(self, values: dict[str, Any], held: bool = False, at: float = 0.0) -> None:
         """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
 
         held: a slider is held: predicted pictures with the frame at U_x = `at` nm follow it.
@@ -105,7 +110,7 @@ class Session:
             self.pursuit.request(Request(scene, held, at, self.acknowledged))
 
     @order("file", entry=orders.FILES.__contains__, text=orders.is_content)
-    def read_file(self, entry, text):
+    def read_file(self, entry: str, text: str) -> None:
         """Read a CSV: a profile, whose surface is then on screen, or a measured curve for the open page."""
         if entry == "profile":
             self.reading.ask((tasks.measured, text), self._read, private=True)
@@ -126,19 +131,19 @@ class Session:
         self.pursuit.request(Request(scene))
 
     @order("restore", values=orders.is_address)
-    def restore(self, values):
+    def restore(self, values: dict[str, Any]) -> None:
         """Show the scene of an address {name: text}; an empty one means the default preset."""
         scene, preset, notes = controls.scene_from_address({name: [text.encode()] for name, text in values.items()})
         self.show(scene, preset, notes)
 
-    def show(self, scene, preset, notes=()):
+    def show(self, scene: Scene, preset: str, notes: Sequence[str] = ()) -> None:
         """Show another scene, based on `preset`, with notes on how it was read."""
         self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
         self.pursuit.request(Request(scene))
 
     @order("page", page=orders.is_text)
-    def open_page(self, page):
+    def open_page(self, page: str) -> None:
         """Open the page of this name; '' closes the open one. A note names an unknown page."""
         if not self.pages.open(page):
             self.notes = [f"There is no page “{page}”: Menu lists all. The experiment is shown."]
@@ -149,16 +154,16 @@ class Session:
         **dict.fromkeys(("E", "phi_t", "series"), orders.is_number),
         free=orders.is_link,
     )
-    def ask(self, **values):
+    def ask(self, **values: Any) -> None:
         """Pass the values of a page's own controls to the open page."""
         self.pages.order(**values)
 
     @property
-    def run(self):
+    def run(self) -> Run | None:
         """The run on screen, or None."""
         return self.pursuit.run
 
-    def look(self):
+    def look(self) -> None:
         """Publish the position in the queue and the number of compiled kernels; a timer calls this every second.
 
         It also answers an order whose picture waits in the queue.
@@ -166,13 +171,17 @@ class Session:
         if not self.closed and self.pursuit.state != "idle":
             self.later(self.publish)
 
-    def publish(self):
+    def publish(self) -> None:
         """Send what has changed of status, values, notes and errors to the browser."""
         run, position = self.run, self.pursuit.position
         if run is None:
             return
         waits = [f"{position} before you in the queue of the server."] if position else []
-        own = {"values": controls.values_of(self.scene), "acknowledged": self.acknowledged, "errors": self.errors}
+        own: dict[str, Any] = {
+            "values": controls.values_of(self.scene),
+            "acknowledged": self.acknowledged,
+            "errors": self.errors,
+        }
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
         own |= {"marks": self.marks.values}
         own |= {"compiled": (min(self.jobs.pool.compiled, KERNELS), KERNELS) if run.state == "warming" else None}

@@ -2,6 +2,7 @@
 
 from functools import partial
 from math import inf
+from typing import Any
 
 from app.service import tasks, worker
 from app.service.requests import Requests
@@ -18,13 +19,13 @@ SLOW = "it takes too long here: use python -m solver run"
 class Share(Requests):
     """The exports of one visitor. Every method runs under the lock of the document."""
 
-    def __init__(self, session):
+    def __init__(self, session: Any) -> None:
         super().__init__(session)
         self.code = Requests(session)
         self.wanted = {}  # {kind: Scene} of files; the first is being written, the other one waits
 
     @order("share", link=orders.is_link)
-    def sheet(self, link):
+    def sheet(self, link: str) -> None:
         """Send the Python lines of the run on screen, then the QR code of a link, which a worker draws."""
         send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.scene))
         send(qr="")
@@ -32,7 +33,7 @@ class Share(Requests):
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""), private=True)
 
     @order("export", kind=orders.FORMATS.__contains__)
-    def export(self, kind):
+    def export(self, kind: str) -> None:
         """Let a worker write the file of the run: `kind` is npz or json. One is written after the other."""
         writing = bool(self.wanted)
         self.wanted.setdefault(kind, self.session.pursuit.scene)
@@ -53,7 +54,7 @@ class Share(Requests):
             self._write()
 
 
-def python_lines(scene):
+def python_lines(scene: Scene) -> str:
     """Return the lines of Python that compute a run. For a measured surface they read the profile from its JSON."""
     usual = scene.differences(Scene())
     made = [f"{name}=" + ('float("inf")' if value == inf else repr(value)) for name, value in usual.items()]

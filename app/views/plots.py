@@ -3,7 +3,8 @@
 The name of a part is "figure.label"; its tag names its colour in style.css.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from bokeh.core.properties import field
@@ -18,7 +19,7 @@ FRAME = {
     **{"background_fill_alpha": 0, "border_fill_alpha": 0, "sizing_mode": "stretch_both", "min_height": 40},
 }
 ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
-COORDINATES = {  # of glyphs, if other than x and y
+COORDINATES: dict[type, tuple[str, ...]] = {  # of glyphs, if other than x and y
     MultiLine: ("xs", "ys"),
     Text: ("x", "y", "text"),
     VBar: ("x", "width", "top", "bottom"),
@@ -27,7 +28,7 @@ COORDINATES = {  # of glyphs, if other than x and y
 AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
 
 
-def blank(name, x_label, y_label, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
+def blank(name: str, x_label: str, y_label: str, x: Any = (0.0, 1.0), y: Any = (0.0, 1.0), **axes: Any) -> figure:
     """Return a figure with axes and a grid, without tools that capture the wheel or touch."""
     axes |= {"x_axis_label": x_label, "y_axis_label": y_label}
     plot = figure(name=name, title=None, tools="", toolbar_location=None, x_range=x, y_range=y, **axes, **FRAME)
@@ -37,7 +38,18 @@ def blank(name, x_label, y_label, x=(0.0, 1.0), y=(0.0, 1.0), **axes):
     return plot
 
 
-def draw(plot, kind, label, colour, *columns, data=None, tooltips=None, hover=None, level="glyph", **look):
+def draw(
+    plot: figure,
+    kind: type,
+    label: str,
+    colour: str,
+    *columns: Any,
+    data: dict[str, Any] | None = None,
+    tooltips: list | None = None,
+    hover: dict[str, Any] | None = None,
+    level: str = "glyph",
+    **look: Any,
+) -> None:
     """Add a glyph over columns, empty at first, that begin with its coordinates; hover: options beside `tooltips`."""
     coordinates = dict(zip(COORDINATES.get(kind, ("x", "y")), map(field, columns), strict=False))
     source = ColumnDataSource(data=data or {column: [] for column in columns})
@@ -47,7 +59,14 @@ def draw(plot, kind, label, colour, *columns, data=None, tooltips=None, hover=No
         plot.add_tools(HoverTool(renderers=[part], tooltips=tooltips, **(hover or {})))
 
 
-def draw_image(plot, label, tooltips=None, bounds=(0, 0, 1, 1), palette=("#888888",), level="image"):
+def draw_image(
+    plot: figure,
+    label: str,
+    tooltips: list | None = None,
+    bounds: Sequence[float] = (0, 0, 1, 1),
+    palette: Sequence[str] = ("#888888",),
+    level: str = "image",
+) -> None:
     """Add an image within (left, bottom, right, top), blank at first."""
     left, bottom, right, top = bounds
     data = {"image": [np.zeros((2, 2), np.float32)], "x": [left], "y": [bottom]}
@@ -56,13 +75,13 @@ def draw_image(plot, label, tooltips=None, bounds=(0, 0, 1, 1), palette=("#88888
     draw(plot, Image, label, "", *data, data=data, tooltips=tooltips, color_mapper=mapper, level=level)
 
 
-def add(plot, label, model, colour):
+def add(plot: figure, label: str, model: Any, colour: str) -> None:
     """Add a line or a band to a figure."""
     model.update(**_named(plot, label, colour))
     plot.renderers.append(model)
 
 
-def add_zero(plot):
+def add_zero(plot: figure) -> None:
     """Add a line at zero."""
     add(plot, "zero", Span(location=0), "--grid")
 
@@ -78,7 +97,7 @@ class View(NamedTuple):
     parts: dict
 
 
-def view_of(figure):
+def view_of(figure: figure) -> View:
     """Return the View of a figure."""
     named = [part for part in (*figure.renderers, *figure.center) if part.name]
     return View(figure, {part.name.removeprefix(f"{figure.name}."): part for part in named})

@@ -5,6 +5,7 @@ A worker measures (service/bench.py), until the scene changes.
 
 import logging
 from math import ceil, floor, log10
+from typing import Any
 
 from bokeh.models import FixedTicker
 from bokeh.models.glyphs import Line, Scatter, Text
@@ -14,6 +15,7 @@ from app.pages.notebook import laid_out, page_of
 from app.service import bench
 from app.service.pool import HEAVY
 from app.views.plots import blank, draw
+from solver import Scene
 
 log = logging.getLogger("app")
 TITLE, ORDER, FIGURES = "Accuracy", 8, ("seconds", "evaluations")
@@ -29,7 +31,7 @@ WHY = {
 WORK = {"seconds": "time of one core (s)", "evaluations": "force evaluations"}
 
 
-def compose():
+def compose() -> list[Any]:
     """Return both figures, on logarithmic axes."""
     return [_figure(name, label) for name, label in WORK.items()]
 
@@ -47,7 +49,7 @@ def _figure(work, label):
     return plot
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """Measure error over run time and force evaluations of a Scene, for a notebook."""
     page = page_of(compose, Page, scene)
     for news in bench.reports(scene):
@@ -61,19 +63,19 @@ class Page(Sheet):
 
     stays = True
 
-    def __init__(self, *given):
+    def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.report = {}  # what the last measurement has reported
 
-    def start(self):
+    def start(self) -> None:
         """Show the last measurement."""
         self._show({})
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """End the measurement of the previous scene. Its results stay."""
         self._stop("the scene has changed")
 
-    def order(self, values):
+    def order(self, values: dict[str, Any]) -> None:
         """Start or cancel a measurement."""
         if values.get("what") == "measure":
             self.close()

@@ -4,7 +4,9 @@ A series is one interface on one layer at all INDENTATIONS: the three of Fig. 8,
 visitors share the results (requests.py).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from bokeh.models.glyphs import Line, Scatter
@@ -34,7 +36,7 @@ THOUSAND = 1000.0
 NONE = "–"  # an empty cell of a table
 
 
-def compose():
+def compose() -> list[Any]:
     """Return the figures of the page."""
     tooltips = [("δ̄", "@delta_bar{0.00}"), ("F̄", "@F{0.000}·10⁻³"), ("Ā", "@A{0.00}·10⁻³")]
     runs = blank("arealaws_runs", FORCE, AREA)
@@ -51,7 +53,7 @@ def compose():
     return [runs, threshold]
 
 
-def series_of(scene):
+def series_of(scene: Scene) -> Scene:
     """Return the scene that identifies a series: with a fixed indentation, path and length."""
     return scene.changed(delta_bar=0.0, u_x_max=Scene().u_x_max, path="shear", damping=1.0)
 
@@ -68,17 +70,17 @@ class Series:
     results: dict = field(default_factory=dict)
 
     @property
-    def found(self):
+    def found(self) -> list[tuple[float, dict]]:
         """[(delta_bar, result)] of the runs that succeeded."""
         return sorted((depth, result) for depth, result in self.results.items() if isinstance(result, dict))
 
     @property
-    def onsets(self):
+    def onsets(self) -> list[tuple[float, float, float]]:
         """[(F_s, A_s, delta_bar)] of the runs that slipped, forces and areas times 1000."""
         return [(THOUSAND * r["F_s"], THOUSAND * r["A_s"], depth) for depth, r in self.found if r["F_s"]]
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Label: its interface, and its layer if that is not the paper's."""
         scene = self.scene
         text = f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}"
@@ -86,7 +88,7 @@ class Series:
         other = scene.changed(phi_n=2.0, phi_ratio=1.0, E=70.0) != Scene()
         return f"{text} and other parameters" if other else text
 
-    def quadratic(self, result):
+    def quadratic(self, result: Any) -> Any:
         """Fit the quadratic law to a run; None if the area shrinks by less than a node spacing."""
         try:
             law = quadratic_law(result["F"], result["A"])
@@ -94,7 +96,7 @@ class Series:
             return None
         return law if law.zeta > 0.0 and result["A"][0] - result["A"].min() > 1.0 / self.scene.nodes else None
 
-    def threshold(self, beyond=False):
+    def threshold(self, beyond: bool = False) -> Any:
         """Fit the threshold law to the onsets; None if impossible."""
         points = [(A / THOUSAND, F / THOUSAND) for F, A, depth in self.onsets if beyond or depth < BEYOND]
         try:
@@ -102,7 +104,7 @@ class Series:
         except ValueError:
             return None
 
-    def row(self):
+    def row(self) -> list[str]:
         """Return the row of this series: slope and offset of its law, R^2, and the bend beyond."""
         law, bent, deepest = self.threshold(), self.threshold(beyond=True), dict(self.found).get(BEYOND)
         done = "" if len(self.results) == len(DEPTHS) else f"{len(self.results)} of {len(DEPTHS)} runs"
@@ -116,7 +118,7 @@ class Series:
         both = [f"{THOUSAND * value:.3f} ± {THOUSAND * error:.3f}" for value, error in values]
         return [*both, f"{law.r2:.4f}", done or bend]
 
-    def rows(self):
+    def rows(self) -> Iterator[list[str]]:
         """Yield the rows of the table of its runs."""
         for depth, result in self.found:
             law = self.quadratic(result)
@@ -124,7 +126,7 @@ class Series:
             yield [f"{depth:.2f}", f"{THOUSAND * result['L_0']:.3f}", f"{THOUSAND * result['A_0']:.1f}", *fit]
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """Return the figures of the series of a Scene, for a notebook."""
     page = page_of(compose, Page, scene)
     page.add_series(series_of(scene))
@@ -134,22 +136,22 @@ def figure(scene):
 class Page(Sheet):
     """The page of one visitor; see app/pages."""
 
-    def __init__(self, *given):
+    def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.series, self.shown = {}, None  # {scene that identifies it: Series}, in order of addition
 
-    def start(self):
+    def start(self) -> None:
         """Add the series on screen first, then those of Fig. 8."""
         for scene in (self._own()[0], *PAPER):
             if scene:
                 self.add_series(scene)
         self._publish()
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """Update the button that adds the series of the scene on screen."""
         self._publish()
 
-    def order(self, values):
+    def order(self, values: dict[str, Any]) -> None:
         """Add the series on screen, show the curves of another series, or cancel."""
         what, place = values.get("what"), int(values.get("series", 0))
         own, _ = self._own()
@@ -176,7 +178,7 @@ class Page(Sheet):
             return None, why
         return scene, ""
 
-    def add_series(self, scene):
+    def add_series(self, scene: Scene) -> None:
         """Add a series; if there are too many, it replaces the oldest."""
         if scene not in self.series:
             own = [one for one in self.series.values() if one.mark >= len(PAPER)]
@@ -190,7 +192,7 @@ class Page(Sheet):
         self.shown = self.shown or self.series[scene]
         self.sweep.add(_calls(scene))
 
-    def take(self, call, result):
+    def take(self, call: Any, result: Any) -> None:
         """Take the result of a run."""
         one = self.series.get(series_of(call[1]))
         if one:

@@ -7,6 +7,7 @@ A worker reads and fits a file (`solver.analysis.measurement`, `fit`). The brows
 import re
 from math import inf
 from random import randrange
+from typing import Any
 
 import numpy as np
 from bokeh.models import DataRange1d
@@ -17,7 +18,7 @@ from app.pages.notebook import laid_out, page_of
 from app.service import tasks
 from app.service.pool import HEAVY
 from app.views.plots import add_zero, blank, draw
-from solver import load_path
+from solver import Scene, load_path
 from solver.text import counted
 
 TITLE, ORDER, FIGURES = "Fit", 7, ("curve", "residuals")
@@ -41,7 +42,7 @@ MARGIN = 0.08  # margin above and below a curve, over its height
 PLACE = "displacement Uₓ (nm)"
 
 
-def compose():
+def compose() -> list[Any]:
     """Return the figures: measured and computed forces, and their differences after a fit."""
     curves = blank("fit_curve", PLACE, "F (N/m)")
     for name in ("measured", "load"):
@@ -57,7 +58,7 @@ def compose():
     return [curves, off]
 
 
-def figure(scene, measured=None):
+def figure(scene: Scene, measured: Any = None) -> Any:
     """Return friction and load of a Scene, and of a Measurement if given, for a notebook."""
     page = page_of(compose, Page, scene)
     if measured is not None:
@@ -77,19 +78,19 @@ class Page(Sheet):
 
     stays = True
 
-    def __init__(self, *given):
+    def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.measured, self.found = None, None  # Measurement, its Fit
         self.truth = {}  # {parameter: value} of example data
         self.answers = 0  # number of files and examples answered
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """Draw forces again: F_bar in N/m depends on the stiffness and width on screen."""
         if self.measured is not None:
             self._draw_measured()
             self._draw_fitted()
 
-    def order(self, values):
+    def order(self, values: dict[str, Any]) -> None:
         """Read a file, generate example data, start a fit, or cancel."""
         what, scene = values.get("what"), self.session.scene
         if "text" in values:
@@ -114,7 +115,7 @@ class Page(Sheet):
             self.close()
             self.publish(busy=None, texts={"fit-text": "Cancelled."})
 
-    def take_measurement(self, result, truth=None):
+    def take_measurement(self, result: Any, truth: dict[str, float] | None = None) -> None:
         """Take (Measurement, None) or (None, why there is none); truth: {parameter: value} of example data."""
         measured, why = result or (None, LOST)
         self.answers += 1
@@ -177,7 +178,7 @@ class Page(Sheet):
         self.publish(busy=None, texts={"fit-text": text}, fit=result)
 
 
-def in_words(sentence):
+def in_words(sentence: str) -> str:
     """Return a warning in the page's terms."""
     for name, (what, *_) in FREE.items():
         sentence = re.sub(rf"\b{name}\b", what, sentence)

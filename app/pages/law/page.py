@@ -6,6 +6,8 @@ T_t = phi_t/delta_t S1(s) g(gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_
 NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x).
 """
 
+from typing import Any
+
 import numpy as np
 from bokeh.models.glyphs import Line, Scatter
 
@@ -13,7 +15,7 @@ from app.pages import Sheet
 from app.pages.notebook import shown
 from app.schema import RIDERS
 from app.views.plots import add_zero, blank, draw, draw_image
-from solver import CHOICES
+from solver import CHOICES, Scene
 from solver.mechanics import cohesive_law
 
 TITLE, ORDER = "Interface law", 1
@@ -46,7 +48,7 @@ def _law(plot, x):
     return _riders(plot, x, "value")
 
 
-def compose():
+def compose() -> list[Any]:
     return [
         _map("law_shear_map", "Tₜ"),
         _map("law_normal_map", "Tₙ"),
@@ -66,7 +68,7 @@ def _opening():
     return plot
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """Return the figures for a Scene, for a notebook."""
     return shown(compose, Page, scene)
 
@@ -76,7 +78,7 @@ class Page(Sheet):
 
     drawn = None
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """Draw the law of the scene, unless it is the one that is drawn."""
         scene = self.session.scene
         law = [getattr(scene, name) for name in PARAMETERS]

@@ -3,6 +3,8 @@
 The browser collects the points (static/js/slips.js) and draws them (page.js).
 """
 
+from typing import Any
+
 import holoviews as hv
 from bokeh.models import Span
 from bokeh.models.glyphs import Scatter
@@ -10,14 +12,14 @@ from bokeh.models.glyphs import Scatter
 from app.pages import Sheet
 from app.schema import CHANGES
 from app.views.plots import add, add_zero, blank, draw
-from solver import sweep
+from solver import Scene, sweep
 from solver.plots import friction_over_load
 
 TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
 DEPTHS = (-0.2, 0.0, 0.2, 0.4)  # delta_bar of a notebook's figure
 
 
-def compose():
+def compose() -> list[Any]:
     tooltips = [("", "@label"), ("L", "@L{0.0} N/m"), ("Fₛ", "@F{0.0} N/m")]
     plot = blank("load_slips", "load L (N/m)", "friction Fₛ at the first slip (N/m)")
     add_zero(plot)
@@ -29,7 +31,7 @@ def compose():
     return [plot]
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """F_s over L_s of a sweep of the press depth: what a notebook shows."""
     return hv.render(friction_over_load(sweep(scene, delta_bar=DEPTHS)), backend="bokeh")
 

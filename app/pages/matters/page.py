@@ -4,18 +4,21 @@ A worker computes the run of the scene on screen and its derivatives (`solver.an
 draws both (page.js); it colours the nodes in the view of the punch.
 """
 
+from typing import Any
+
 from bokeh import plotting
 
 from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY
+from solver import Scene
 
 TITLE, ORDER, FIGURES = "What matters", 5, ()
 LOST = "it could not be computed. Change a parameter to try again"
 LONG = 120.0  # s, time limit of a run with its derivatives
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """Return the change of the force of the first slip per parameter as bars, for a notebook."""
     found = tasks.what_matters(scene)
     if isinstance(found, str):
@@ -31,7 +34,7 @@ def figure(scene):
 class Page(Sheet):
     """The page of one visitor; see app/pages."""
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """Request the derivatives of the scene on screen."""
         self.publish(matters=None, texts={"matters-text": "Computing the derivatives …"})
         self.single.ask((tasks.what_matters, self.session.scene), self._take, rank=HEAVY, seconds=LONG)

@@ -7,11 +7,13 @@ A worker computes each point (solver/analysis/maps) in one call, from coarse to 
 import pickle
 from dataclasses import replace
 from math import dist, inf
+from typing import Any
 
 import numpy as np
 from bokeh.models import FixedTicker
 from bokeh.models.glyphs import Line, Scatter, Text
 from bokeh.palettes import cividis
+from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
@@ -19,8 +21,9 @@ from app.pages.notebook import shown
 from app.service import metrics, tasks
 from app.service.cache import Cache
 from app.views.plots import blank, draw, draw_image
-from solver import SceneError
+from solver import Scene, SceneError
 from solver.analysis.maps import REGIMES, Axis, Map, Point
+from solver.following.skeleton import Skeleton
 from solver.scene import PARAMETERS
 
 TITLE, ORDER, FIGURES = "Map of regimes", 6, ("map",)
@@ -50,7 +53,7 @@ MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
 
 
-def compose():
+def compose() -> list[Any]:
     """Return the map over numbers of columns and rows, as its axes may be logarithmic."""
     bounds = (-0.5, -0.5, COLUMNS - 0.5, ROWS - 0.5)
     plot = blank("regimes_map", "x", "y", (bounds[0], bounds[2]), (bounds[1], bounds[3]))
@@ -63,7 +66,7 @@ def compose():
     return [plot]
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """Return the figures for a Scene, for a notebook."""
     return shown(compose, Page, scene)
 
@@ -71,14 +74,14 @@ def figure(scene):
 class Page(Sheet):
     """The page of one visitor; see app/pages."""
 
-    def __init__(self, *given):
+    def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
         self.grid, self.known = None, {}  # {(i, j): (Point, Scene of its cached Skeleton or None)}
         self.left = []  # (i, j) not requested yet, the next one last
         self.asking = False
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """Start another map only if a parameter that is not on its axes changed."""
         try:
             grid = self._around(self.session.scene)
@@ -89,7 +92,7 @@ class Page(Sheet):
             self._begin(grid)
         self._draw()
 
-    def order(self, values):
+    def order(self, values: dict[str, Any]) -> None:
         """Change the axes or the quantity, cancel, or resume."""
         what, names = values.get("what"), (values.get("x"), values.get("y"))
         if what in ("cancel", "resume") and self.grid is not None:
@@ -103,7 +106,7 @@ class Page(Sheet):
             self.of = values["of"]
         self.scene_changed()
 
-    def nearer(self, scene, origin):
+    def nearer(self, scene: Scene, origin: Scene | None) -> Skeleton | None:
         """See Sheet: a drag on the map continues from the nearest point of the map, even after a jump."""
         if not self._holds(scene):
             return None
@@ -149,7 +152,7 @@ class Page(Sheet):
             self.sweep.add([(tasks.map_point, replace(task, start=task.start and skeletons.get(task.start)))])
         self.asking = False
 
-    def take(self, call, result):
+    def take(self, call: Any, result: Any) -> None:
         """Take the result of a point."""
         task = call[1]
         if isinstance(result, Exception):
@@ -227,13 +230,13 @@ def _inside(region):
     return float(np.clip(i, MARGIN, COLUMNS - 1 - MARGIN)), float(np.clip(j, MARGIN / 2, ROWS - 1 - MARGIN / 2))
 
 
-def limits(image):
+def limits(image: NDArray[Any]) -> tuple[float, float]:
     """Return the limits (low, high) of most values of an image, so that outliers do not use up the colours."""
     values = image[np.isfinite(image)]
     return tuple(map(float, np.percentile(values, MOST))) if values.size else (0.0, 0.0)
 
 
-def labels(codes):
+def labels(codes: NDArray[Any]) -> list[tuple[float, float, str]]:
     """Return [(i, j, name)] of regions of codes (rows, columns), the largest first, without overlap."""
     found = []
     regions, counts = np.unique(codes[codes >= 0], return_counts=True)
@@ -246,7 +249,7 @@ def labels(codes):
     return found
 
 
-def outlines(codes):
+def outlines(codes: NDArray[Any]) -> tuple[list[float], list[float]]:
     """Return (i, j) of lines between known, different cells of codes (rows, columns), with nan after each line."""
     i, j = [], []
     for axis, corner in ((1, ((0.5, -0.5), (0.5, 0.5))), (0, ((-0.5, 0.5), (0.5, 0.5)))):

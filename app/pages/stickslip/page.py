@@ -4,6 +4,7 @@ Forces are divided by w times E = 70 GPa, as in the paper's Fig. 4.
 """
 
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 from bokeh.models import BoxAnnotation, FixedTicker
@@ -16,7 +17,7 @@ from app.pages.notebook import shown
 from app.schema import FLATS
 from app.service import tasks
 from app.views.plots import add, add_zero, blank, draw, draw_image
-from solver import LIMITS, SceneError
+from solver import LIMITS, Scene, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, sliding
 from solver.presets import presets
@@ -29,7 +30,7 @@ MEASURED = 9  # runs to compare with that curve
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
 
 
-def compose():
+def compose() -> list[Any]:
     tooltips = [("Uₓ", "@U_x{0.0} nm"), ("F", "@F{0.000}·10⁻³")]
     forces = blank("stickslip_forces", "displacement of the top Uₓ (nm)", "F/(w·70 GPa) (10⁻³)", (0, END))
     add_zero(forces)
@@ -60,7 +61,7 @@ def _map():
     return plot
 
 
-def figure(scene):
+def figure(scene: Scene) -> Any:
     """Return the figures for a Scene, for a notebook."""
     return shown(compose, Page, scene)
 
@@ -68,12 +69,12 @@ def figure(scene):
 class Page(Sheet):
     """The page of one visitor; see app/pages."""
 
-    def __init__(self, *given):
+    def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.runs, self.own, self.curve = {}, None, ()  # {ratio: mean}, scene, (ratios, means)
         self.chosen = {name: flat(presets()[name].scene) for name in FLATS}
 
-    def scene_changed(self):
+    def scene_changed(self) -> None:
         """Draw the curve of the scene on screen, and if the layer changed, the exact curve and the map."""
         self.sweep.cancel()
         before, self.own = self.own, None
@@ -93,7 +94,7 @@ class Page(Sheet):
         self.sweep.add([(tasks.flat_friction, scene) for scene in _measured(own)])
         self._describe()
 
-    def order(self, values):
+    def order(self, values: dict[str, Any]) -> None:
         """Show the scene of a click on the map, or cancel."""
         if values.keys() >= {"E", "phi_t"} and self.own is not None:
             scene = flat(self.session.scene)
@@ -144,7 +145,7 @@ class Page(Sheet):
         self.runs = {}
         self.draw("mean", "runs", ratio=[], mean=[])
 
-    def take(self, call, result):
+    def take(self, call: Any, result: Any) -> None:
         """Take the result of a run."""
         kind, scene = call
         if isinstance(result, Exception):
