@@ -44,6 +44,10 @@ RIDERS = {  # nodes on the interface law; pages/law/page.js assigns the states. 
     "slip": Node("past the peak", "slip", "diamond", 9, "--slip"),
     "open": Node(f"free ({WEAK})", "dot free", "circle", 4, "--free"),
 }
+EDGES = {  # of the contact, on the toughness of the interface
+    "trailing": Node("trailing edge", "dot repulsive", "circle", 9, "--repulsive"),
+    "leading": Node("leading edge", "slip", "diamond", 12, "--slip"),
+}
 CHANGES = {  # what changed before a run, on the page "Friction over load"
     "delta_bar": Node("press depth", "dot repulsive", "circle", 9, "--repulsive"),
     "phi_ratio": Node("friction to adhesion", "slip", "diamond", 12, "--slip"),

@@ -20,6 +20,7 @@ from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
 from solver.analysis.sensitivities import sensitivities
+from solver.analysis.toughness import toughness
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
@@ -31,6 +32,15 @@ SLICE = 0.12  # s of work before a call returns a Part, so that other calls get 
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
 DRAWN = 400  # points of a drawn curve, about one per pixel
 DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
+
+
+def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[float, ...]) -> list[float]:
+    """Return the toughness of an interface over phi_n at mode angles, degrees.
+
+    ratio: phi_t over phi_n; delta_t: over delta_n. Raises ValueError where there is no toughness.
+    """
+    scene = Scene(law=law, phi_n=1.0, phi_ratio=ratio, delta_t=delta_t, nodes=64, width=64.0 * delta_t)
+    return toughness(scene, np.radians(angles)).tolist()
 
 
 def flat_curve(scene: Scene, state: Any = None) -> Any:

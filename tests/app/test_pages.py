@@ -12,7 +12,7 @@ from app import pages
 from app.pages import Sheet, listed, section
 from app.pages.law import page as law
 from app.service import tasks
-from solver import CHOICES, Scene
+from solver import CHOICES, Scene, toughness
 from solver.mechanics import cohesive_law
 
 APP = Path(pages.__file__).parents[1]
@@ -93,25 +93,39 @@ def test_a_step_of_the_press_depth_sends_nothing_of_an_unchanged_interface_law(s
 def test_columns_that_are_the_same_are_not_sent_again(session):
     order(session, "page", page="law")
     page, events = session.pages.page, []
-    data = page.views["opening"].parts["np1"].data_source.data
+    data = page.views["normal_law"].parts["law"].data_source.data
     session.doc.on_change(events.append)
-    page.draw("opening", "np1", gap=data["gap"].copy(), value=data["value"])
+    page.draw("normal_law", "law", gap=data["gap"].copy(), value=data["value"])
     assert events == []
-    page.draw("opening", "np1", gap=data["gap"], value=2.0 * data["value"])
+    page.draw("normal_law", "law", gap=data["gap"], value=2.0 * data["value"])
     assert len(events) == 1
 
 
-def test_interface_law_page_shows_both_laws_and_explains_overlap(session):
+def test_interface_law_page_explains_overlap(session):
     order(session, "page", page="law")
     for name, words in (("np1", "grows where the surfaces overlap"), ("xu-needleman", "changes sign below")):
         order(session, "scene", law=name)
-        parts = session.pages.page.views["opening"].parts
-        shares = {part: np.asarray(parts[part].data_source.data["value"]) for part in ("np1", "xu-needleman", "law")}
-        assert np.array_equal(shares["law"], shares[name])
-        gap = np.asarray(parts["law"].data_source.data["gap"])
-        assert shares["np1"] == pytest.approx(np.exp(-gap), rel=1e-9)
-        assert shares["xu-needleman"] == pytest.approx((1.0 + gap) * np.exp(-gap), rel=1e-9, abs=1e-12)
         assert words in session.pages.page.published["texts"]["law-numbers"]
+
+
+def test_interface_law_page_draws_the_toughness_and_says_how_shear_changes_it(session):
+    order(session, "page", page="law")
+    for values, words in (
+        ({"phi_ratio": "1"}, "weaker than opened"),
+        ({"phi_ratio": "8"}, "tougher than opened"),
+        ({"phi_ratio": "1", "law": "xu-needleman"}, "as tough as opened"),
+        ({"phi_ratio": "0"}, "by opening alone"),
+    ):
+        order(session, "scene", **values)
+        page = session.pages.page
+        for task in session.jobs.pool.tasks:
+            if task.call[0] is tasks.relative_toughness and not task.done():
+                task.set_result(task.call[0](*task.call[1:]))
+        assert words in page.published["texts"]["law-toughness-text"]
+        drawn = page.views["toughness"].parts["gamma"].data_source.data
+        if values["phi_ratio"] != "0":
+            expected = toughness(session.scene, np.radians(drawn["angle"]))
+            assert np.asarray(drawn["value"]) == pytest.approx(expected, rel=1e-6)
 
 
 def test_tangential_traction_peaks_where_the_page_states(session):

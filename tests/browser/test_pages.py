@@ -2,12 +2,13 @@
 
 import re
 
+import numpy as np
 import pytest
 from served import PATIENCE, faults_at, finished, found_by_axe, laid_out
 from tabs import imported
 
 from app.pages import listed
-from solver import Scene, load_path
+from solver import Scene, load_path, release_rates, simulate
 
 thorough = pytest.mark.thorough
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
@@ -162,6 +163,18 @@ def test_page_named_in_the_address_is_open_from_the_start(visit):
     page.wait_for_function("() => document.getElementById('law-stick').textContent")
     numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
     assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
+
+
+def test_edges_on_the_toughness_are_those_of_the_solver(look):
+    """Within the rounding of the fields that a browser receives."""
+    page = look("?page=law&k=180")
+    finished(page)
+    frame = simulate(Scene(u_x_max=8.0)).frames[180]
+    for label, edge in zip(("trailing", "leading"), release_rates(frame), strict=True):
+        source = f"{MODEL.format(f'law_toughness.{label}')}?.data_source.data"
+        page.wait_for_function(f"() => {source}?.value?.length && punch.drawn === 180", timeout=PATIENCE)
+        shown = page.evaluate(f"() => [{source}.value[0], {source}.angle[0]]")
+        assert shown == pytest.approx([edge.J, np.degrees(edge.psi)], rel=5e-3)
 
 
 @thorough

@@ -9,8 +9,41 @@ let law // {spacing, peak: where sticking ends, nm} of the scene on screen
 
 export const receive = (news) => { law = news.law }
 
+// J (N/m) and the mode angle (degrees) of the trailing and the leading edge of frame k, as `solver.release_rates`: from
+// the middle of the contact outwards, the work of both tractions, and what the springs in the middle store. None where
+// several parts are in contact, or a node in contact has passed to another site
+function edgesOf(run, k) {
+  const { first, spacing, middle } = run.headOf(k), { delta_n, delta_t, phi_n, phi_ratio } = run.head.scene
+  const patches = run.patches(k), { x, gap, T_n, T_t } = run.frame(k)
+  if (patches.length !== 1) return []
+  const [from, to] = patches[0].map((at) => at - first), center = Math.round((from + to) / 2)
+  const u = x.map((place, i) => place - ((first + i) * spacing - middle))
+  if (u.some((shift, i) => i >= from && i <= to && Math.abs(shift) > spacing / 2)) return []
+  const closed = Math.exp(-gap[center] / delta_n), opening = 1 + (law.opening * gap[center]) / delta_n
+  const normal = (phi_n / delta_n ** 2) * (1 - gap[center] / delta_n) * closed
+  const shear = ((2 * phi_ratio * phi_n) / delta_t ** 2) * opening * closed
+  return [-1, 1].map((step) => {
+    let J_n = T_n[center] ** 2 / (2 * normal), J_t = shear > 0 ? T_t[center] ** 2 / (2 * shear) : 0
+    for (let i = center; i + step in x; i += step) {
+      J_n -= 0.5 * (T_n[i] + T_n[i + step]) * (gap[i + step] - gap[i])
+      J_t += 0.5 * (T_t[i] + T_t[i + step]) * (u[i + step] - u[i])
+    }
+    const angle = Math.atan2(Math.sqrt(Math.max(J_t, 0)), Math.sqrt(Math.max(J_n, 0)))
+    return { angle: (angle * 180) / Math.PI, value: J_n + J_t }
+  })
+}
+
+function drawEdges(run, k) {
+  const edges = edgesOf(run, k)
+  for (const [i, label] of ["trailing", "leading"].entries()) {
+    const of = (name) => Float32Array.from(edges.length ? [edges[i][name]] : [])
+    fill("law_toughness", label, { angle: of("angle"), value: of("value") })
+  }
+}
+
 export function frame(run, k) {
   if (!law) return
+  drawEdges(run, k)
   // which may be another than that of the law
   const { middle, scene: { delta_n, delta_t, phi_n, phi_ratio } } = run.head
   const a = law.spacing, phi_t = phi_ratio * phi_n, nodes = run.frame(k), { x, gap, T_n, T_t } = nodes

@@ -3,9 +3,11 @@
 The server draws the law once per scene; the browser has the frames and draws the nodes (page.js). The slip distance s
 is that of a node from the nearest lattice site; the law is periodic in s with the node spacing a. It factors:
 T_t = phi_t/delta_t S1(s) g(gap/delta_n), T_n = -phi_n/delta_n S0(s) (gap/delta_n) exp(-gap/delta_n).
-NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x).
+NP1 has g(x) = exp(-x), the law of Xu & Needleman (1 + x) exp(-x). The toughness of the interface over the mode angle is
+that of single springs (`solver.toughness`); the browser reads J and psi of both edges from the increment shown.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,18 +15,24 @@ from bokeh.models.glyphs import Line, Scatter
 
 from app.pages import Sheet
 from app.pages.notebook import shown
-from app.schema import RIDERS
+from app.schema import EDGES, RIDERS
+from app.service import tasks
 from app.views.plots import add_zero, blank, draw, draw_image
-from solver import CHOICES, Scene
+from solver import Scene
 from solver.mechanics import cohesive_law
 
 TITLE, ORDER = "Interface law", 1
-FIGURES = "shear_map", "normal_map", "shear_law", "normal_law", "opening"
+FIGURES = "shear_map", "normal_map", "shear_law", "normal_law", "toughness"
 OFFSET, GAP = "slip distance from the nearest site (nm)", "gap (nm)"
 FINE = 160  # pixels of a map, and steps of a curve, along an axis
 LOWEST, HIGHEST = -1.0, 6.0  # range of gaps, in delta_n
 PARAMETERS = ("law", "phi_n", "phi_ratio", "delta_n", "delta_t", "spacing")  # of the interface law
-OVERLAP = -1.6  # delta_n; below -1 the resistance to shear of Xu & Needleman's law changes sign
+ANGLES = tuple(float(angle) for angle in range(0, 81, 10))  # degrees, at which the toughness is computed
+COMPARED = (  # (toughness at 45 degrees over phi_n, words for less); within 2 % shear and opening count as alike
+    (0.98, "weaker than opened: its edges peel sooner"),
+    (1.02, "as tough as opened"),
+    (np.inf, "tougher than opened: its edges peel later"),
+)
 
 
 def _riders(plot, x, y):
@@ -54,17 +62,17 @@ def compose() -> list[Any]:
         _map("law_normal_map", "Tₙ"),
         _law(blank("law_shear_law", OFFSET, "Tₜ exp(gap/δₙ) δₜ/φₜ", y=(-1.1, 1.1)), "s"),
         _law(blank("law_normal_law", GAP, "Tₙ δₙ/(φₙ Σ)", y=(-0.6, 1.2)), "gap"),
-        _opening(),
+        _toughness(),
     ]
 
 
-def _opening():
-    """Return the relative tangential traction over the gap for both laws; a wide line marks the law of the scene."""
-    plot = blank("law_opening", GAP, "Tₜ / Tₜ(0)", y=(-3.0, 5.0))
-    add_zero(plot)
-    draw(plot, Line, "law", "--grid", "gap", "value", line_width=8)
-    for law, colour in zip(CHOICES["law"], ("--area", "--adhering"), strict=True):
-        draw(plot, Line, law, colour, "gap", "value", line_width=2)
+def _toughness():
+    """Return the toughness over the mode angle, Griffith's constant one, and the two edges of the contact."""
+    plot = blank("law_toughness", "mode angle ψ: opening 0°, shear 90° (°)", "Γ and J (N/m)", x=(0.0, 80.0))
+    draw(plot, Line, "griffith", "--soft", "angle", "value", line_width=2, line_dash="dotted")
+    draw(plot, Line, "gamma", "--text", "angle", "value", line_width=2)
+    for label, edge in EDGES.items():
+        draw(plot, Scatter, label, edge.colour, "angle", "value", marker=edge.marker, size=edge.size)
     return plot
 
 
@@ -102,35 +110,52 @@ class Page(Sheet):
         force = -gap / d_n * np.exp(-gap / d_n)
         self.draw("normal_law", "law", gap=gap, value=force)
         self.draw("normal_law", "spring", gap=[], value=[])
-        below = np.linspace(OVERLAP * d_n, HIGHEST * d_n, FINE + 1)
-        for law in CHOICES["law"]:
-            share = _share(scene.changed(law=law, phi_ratio=1.0), below)
-            for part in [law, "law"] if law == scene.law else [law]:
-                self.draw("opening", part, gap=below, value=share)
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
         self.publish(
             images=limits,
             law={"spacing": a, "peak": peak, "opening": cohesive_law.OPENING[scene.law]},
-            texts={"law-numbers": _numbers(scene)},
+            texts={"law-numbers": _numbers(scene), "law-toughness-text": ""},
         )
+        self._draw_toughness(scene)
+
+    def _draw_toughness(self, scene):
+        """Request the toughness of the interface from a worker; without a resistance to shear there is none."""
+        self.draw("toughness", "gamma", angle=[], value=[])
+        self.draw("toughness", "griffith", angle=[ANGLES[0], ANGLES[-1]], value=2 * [scene.phi_n])
+        self.views["toughness"].figure.y_range.update(start=0.0, end=1.5 * scene.phi_n)
+        self.single.cancel()
+        if scene.phi_ratio == 0.0:
+            return self._say("Without friction the edges peel by opening alone.")
+        call = tasks.relative_toughness, scene.law, scene.phi_ratio, scene.delta_t / scene.delta_n, ANGLES
+        return self.single.ask(call, partial(self._take_toughness, scene))
+
+    def _say(self, text):
+        """Show a sentence below the toughness."""
+        self.publish(texts=self.published.get("texts", {}) | {"law-toughness-text": text})
+
+    def _take_toughness(self, scene, found):
+        if found is None:
+            return self._say("The toughness was not found; change a parameter.")
+        gamma = scene.phi_n * np.asarray(found)
+        self.draw("toughness", "gamma", angle=ANGLES, value=gamma)
+        self.views["toughness"].figure.y_range.update(start=0.0, end=1.15 * max(float(gamma.max()), scene.phi_n))
+        sheared = float(np.interp(45.0, ANGLES, found))
+        text = next(words for limit, words in COMPARED if sheared < limit)
+        text = f"Sheared, this interface is {text} (toughness {sheared:.2f} φₙ at 45°)."
+        return self._say(text)
 
     def _fit(self, scene, largest):
         half, d_n = 0.5 * scene.spacing, scene.delta_n
         for slot, view in self.views.items():
-            across = {"normal_law": (LOWEST * d_n, HIGHEST * d_n), "opening": (OVERLAP * d_n, HIGHEST * d_n)}
-            across = across.get(slot, (-half, half))
+            if slot == "toughness":
+                continue
+            across = (LOWEST * d_n, HIGHEST * d_n) if slot == "normal_law" else (-half, half)
             view.figure.x_range.update(start=across[0], end=across[1])
             if slot.endswith("_map"):
                 view.figure.y_range.update(start=LOWEST * d_n, end=HIGHEST * d_n)
         largest = max(largest, 0.86)
         self.views["shear_law"].figure.y_range.update(start=-1.15 * largest, end=1.15 * largest)
-
-
-def _share(scene, gap):
-    """Return the tangential traction at a gap over that at zero gap."""
-    ahead = np.full(gap.shape, 0.5 * min(scene.delta_t, scene.spacing))
-    return cohesive_law.traction(scene, ahead, gap)[0] / cohesive_law.traction(scene, ahead, 0.0 * gap)[0]
 
 
 TEXTS = {
