@@ -7,12 +7,9 @@ commit, date and processor, and shown on the page; no number is typed in. Benche
 import argparse
 import json
 import platform
-import re
 import subprocess
 import sys
-from collections.abc import Callable
 from datetime import date
-from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
@@ -157,90 +154,6 @@ COMMANDS = {
 }
 
 
-NUMBER = r"([\d.e+-]+)"
-
-
-def first(pattern: str, sentence: str) -> Callable[[str], str]:
-    """A verdict: the sentence with the groups of the pattern, {0} being the first one, from an output."""
-
-    def verdict(output: str) -> str:
-        found = re.search(pattern.replace("#", NUMBER), output, re.M | re.S)
-        if found is None:
-            raise ValueError(f"no verdict: {pattern!r} is not in the output; change it in VERDICTS")
-        return sentence.format(*found.groups())
-
-    return verdict
-
-
-def compared(output: str) -> str:
-    """The verdict on a table whose last columns are an error and what is allowed."""
-    pairs = [(float(a), float(b)) for a, b in re.findall(rf"{NUMBER} +{NUMBER} *$", output, re.M)]
-    beyond = sum(error > allowed for error, allowed in pairs)
-    return f"{len(pairs) - beyond} of {len(pairs)} comparisons are within the error that each allows."
-
-
-def noticed(output: str) -> str:
-    """The verdict on rows with the columns noticed and expected."""
-    names, *rows = (line.split() for line in output.splitlines())
-    ends = [dict(zip(reversed(names), reversed(row), strict=False)) for row in rows]
-    right = sum(row["noticed"] == row["expected"] for row in ends)
-    return f"In {right} of {len(ends)} cases the comparison notices what it should."
-
-
-def best(output: str) -> str:
-    """The verdict on methods: the smallest error of each, and the evaluations that it took."""
-    rows = re.findall(rf"^(\S.*?) +{NUMBER} +{NUMBER} +(\d+) +{NUMBER}$", output, re.M)
-    least: dict[str, tuple[float, str]] = {}
-    for method, _, _, evaluations, error in rows:
-        least[method] = min(least.get(method, (inf, "")), (float(error), evaluations))
-    reached = (f"{method} {error:.0e} in {count}" for method, (error, count) in least.items())
-    return f"Smallest error before the first slip, and its force evaluations: {', '.join(reached)}."
-
-
-WRONG = first(
-    r"wrong without the caution: # of #;", "{0} of {1} judged slips end elsewhere than the GFMD without a caution."
-)
-VERDICTS: dict[str, Callable[[str], str]] = {
-    "curves": best,
-    "landings": WRONG,
-    "soft": WRONG,
-    "others": first(
-        r"^all +# +# +# +# +# +# +# ", "{3} of {0} scenes agree with the GFMD; in {6} the solver is wrong."
-    ),
-    "sensitivities": first(
-        r"error, median / p95 / worst: # / # / #", "Half of the derivatives are right to {0}, 95 % to {1}."
-    ),
-    "held": first(r"by exact runs, median / p95 / worst: # / # / #", "The worst derivative is off by {2} of its size."),
-    "skeletons": first(r"error of F_s, median / p95 / worst: # / # / #", "F_s is off by {2} of its size at worst."),
-    "fit": first(
-        r"from 50 % off: # of # reach the truth, # say that they did not, # wrong",
-        "From 50 % off, {0} of {1} fits reach the truth; {3} of the others do not say that they failed.",
-    ),
-    "map": first(
-        r"# checked: # of another regime, .*?; # of # followed are wrong", "{2} of {3} followed points are wrong."
-    ),
-    "stability": first(r"^(Verdict: .*?\.) ", "{0}"),
-    "mixed": compared,
-    "mutations": noticed,
-    "jumps": first(r"without an event: # jumps in # scenes", "{0} jumps lack an event."),
-    "onset": first(r"^# scenes .*: # depend on it", "In {1} of {0} scenes the slips depend on du_x."),
-    "rests": first(
-        r"from 0.4 on: # frames; # do not rest", "From damping 0.4 on, {1} of {0} frames grow without a caution."
-    ),
-    "bench": first(r"^Fig\. 6 +# +# ", "The default run takes {1} force evaluations and finds {0} slips."),
-    "box": first(
-        r"box over default: median #, worst #$",
-        "A scene of the box takes {0} times the default run, at worst {1} times.",
-    ),
-    "follow": first(r"^F, L and A all right: (\S+)", "{0} of the followed moves have F, L and A right."),
-    "drag": first(
-        r"curves a second: median #, worst #; age p50: median #",
-        "A drag shows {0} curves a second, {1} in the worst case; they are {2} ms old.",
-    ),
-    "classroom": first(r"^tracebacks +#$.*^failed +(.*?)$", "Tracebacks in the log: {0}. Failed requests: {1}."),
-}
-
-
 def measured(entry: Entry) -> dict[str, str]:
     """Runs the command and returns its output with commit, date and processor; raises CalledProcessError."""
     return {
@@ -278,8 +191,7 @@ def page(store: dict[str, dict[str, str]]) -> str:
         if entry.chapter != chapter:
             chapter = entry.chapter
             parts.append(f"## {chapter}")
-        verdict = [f"**{VERDICTS[name](store[name]['output'])}**"] if name in store else []
-        parts += [f"### {entry.title}", entry.meaning, *verdict, *section(store.get(name), entry)]
+        parts += [f"### {entry.title}", entry.meaning, *section(store.get(name), entry)]
     return "\n\n".join(parts) + "\n"
 
 

@@ -106,18 +106,17 @@ def parser() -> Parser:
     return parser
 
 
-def parameter_table(columns: int = COLUMNS) -> str:
-    """Every parameter with its range, default, unit and meaning, in lines of so many characters."""
+def parameter_table() -> str:
+    """Every parameter with its range, default, unit and meaning."""
     lines, indent = [], 12 * " "
     for name, parameter in PARAMETERS.items():
         default = getattr(Scene, name)
-        first = f"{name:<11} {parameter.span}, default {f'{default:g}' if name in LIMITS else default}"
-        lines += wrap(first, columns, subsequent_indent=indent, drop_whitespace=True)
+        lines.append(f"{name:<11} {parameter.span}, default {f'{default:g}' if name in LIMITS else default}")
         words = (f"{word}: {meaning}" for word, meaning in CHOICES.get(name, {}).items())
         for text in (parameter.meaning, *words):
-            lines += wrap(text, columns, initial_indent=indent, subsequent_indent=indent + "  ")
+            lines += wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + "  ")
     file = "columns x, z in nm, for surface=measured; all of its length is used, or the middle part of a width given"
-    return "\n".join([*lines, "profile     the name of a file", *wrap(file, columns, initial_indent=indent)])
+    return "\n".join([*lines, "profile     the name of a file", *wrap(file, COLUMNS, initial_indent=indent)])
 
 
 def preset_table() -> str:

@@ -83,7 +83,7 @@ def _search(problem, guess, options):
     for _ in range(options.steps):
         worst = problem.residual(v, active, load, r)
         sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
-        if sharp and worst <= problem.tolerance:
+        if matrix is not None and sharp and worst <= problem.tolerance:
             return _fold(problem, matrix, load, v, active, phi, worst)
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
             matrix = Bordered(problem, v, active, phi, psi, options)

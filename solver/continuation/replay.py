@@ -4,6 +4,7 @@ from math import ceil
 
 import numpy as np
 
+from .corrector import Corrector
 from .problem import Problem
 from .state import Increment, State
 from .trace import OPTIONS, Trace, TraceOptions
@@ -17,6 +18,7 @@ class Replay:
 
     def __init__(self, stepper, spacing, options: TraceOptions = OPTIONS):
         self.stepper, self.spacing, self.options = stepper, spacing, options
+        self._corrector = Corrector(stepper.problem)
 
     @property
     def problem(self) -> Problem:
@@ -52,8 +54,10 @@ class Replay:
         passed = branch.at(load, self.options.stencil)
         guess = passed.v + shift * problem.direction
         v = guess.copy()
-        secants = self.stepper.corrector.secants()  # those of a state near a fold may lead to the branch beyond it
-        active = self.stepper.corrector.settle(v, passed.active, target, secants)
+        if self._corrector.problem is not problem:
+            self._corrector = Corrector(problem)
+        secants = self._corrector.secants()  # those of a state near a fold may lead to the branch beyond it
+        active = self._corrector.settle(v, passed.active, target, secants)
         moved = np.abs(v - guess).max()
         if active is None or not self._same(moved, branch, load):
             return None
@@ -61,7 +65,7 @@ class Replay:
             trace = trace.added(branch, passed._replace(v=v - shift * problem.direction, active=active))
         slips = tuple(trace.slips(state.load, target, problem.direction))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        worst = self.stepper.corrector.worst
+        worst = self._corrector.worst
         return Increment(
             State(target, v, active, past, secants, state.sharp, state.mode, False, trace, worst), slips, True
         )

@@ -46,9 +46,10 @@ def kind(stage: str) -> str:
 class SlipEvent:
     """The end of a branch: load U_x (or delta, in approach and retraction) in nm, and F_bar, L_bar, A_bar just before.
 
-    kind: as of `continuation.state.End`. located: whether the load is that of the end itself, to 1e-6 nm, or
-    only that of the increment in which it lies. sensitive: motions with other time steps, or from another start, came
-    to rest elsewhere, or a symmetric contact may leave the branch either way: then it moves along x.
+    kind: as of `continuation.state.End`. located: whether the load is that of the end itself, to 1e-6 nm, or only that
+    of the increment in which it lies. Where a symmetric contact tilts, it is so to 1e-3 nm: there the residual hardly
+    tells the states of both branches apart. sensitive: motions with other time steps, or from another start, came to
+    rest elsewhere, or a symmetric contact may leave the branch either way: then it moves along x.
 
     Example: `[event.load for frame in simulate(Scene()).frames for event in frame.slips]`
     """

@@ -133,6 +133,7 @@ class Run:
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.observe = observe
+        self._place = None  # until the increment is done: where it ends early, the problem may have grown
         before = stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
         index, self.done = self._increment(step, checkpoint.increment, state)
@@ -162,7 +163,6 @@ class Run:
                 load = step.at(index)
                 done = done._replace(slips=()) if done.state.load > load else self.stepper.increment(done.state, load)
         except NotConverged as failure:
-            self._place = None  # the problem may have grown beyond the checkpoint's patch
             raise with_remedy(failure, self.scene, step, load, self._fast) from None
         return index, done._replace(slips=slips + done.slips)
 

@@ -5,7 +5,6 @@ The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
 
 import ast
 import inspect
-import json
 import re
 import shlex
 import subprocess
@@ -170,23 +169,3 @@ def test_a_named_file_runs_all_its_tests_and_a_choice_leaves_thorough_ones_out()
     thorough = collected("-m", "thorough")
     assert thorough and thorough <= collected()
     assert not thorough & collected("-m", "not slow")
-
-
-def test_every_block_of_the_evidence_has_a_verdict(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    import evidence
-
-    store = json.loads(evidence.STORE.read_text(encoding="utf-8"))
-    assert evidence.VERDICTS.keys() == evidence.COMMANDS.keys()
-    for name, result in store.items():
-        verdict = evidence.VERDICTS[name](result["output"])
-        assert verdict in evidence.PAGE.read_text(encoding="utf-8") and verdict.endswith((".", "%"))
-    with pytest.raises(ValueError, match="no verdict"):
-        evidence.VERDICTS["jumps"]("another output")
-
-
-@pytest.mark.parametrize(
-    "file", sorted(set(re.findall(r"tests/\w+/\w+\.py", (ROOT / "docs" / "status.md").read_text())))
-)
-def test_files_that_the_status_names_exist(file):
-    assert (ROOT / file).is_file()

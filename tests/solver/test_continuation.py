@@ -180,6 +180,20 @@ def test_infinite_damping_is_the_limit_of_large_damping_in_the_motion():
 # One contract
 
 
+class Bare:
+    """A stepper with the members of the contract, and no other."""
+
+    def __init__(self, stepper):
+        self.problem, self.increment = stepper.problem, stepper.increment
+
+
+def test_replay_needs_no_more_of_a_stepper_than_the_contract():
+    toy = lattice((A, 0.0), period=PERIOD)
+    stepper = Replay(Bare(QuasiStatic(toy, inf, A * Q)), PERIOD)
+    done = followed(stepper, toy.at_rest(0.0, 0.0), np.arange(0.1, 9.0, 0.1))
+    assert any(increment.repeated for increment in done)
+
+
 @pytest.mark.parametrize("damping", [0.2, 1.0, 4.0, inf])
 def test_every_stepper_reaches_the_same_states(damping):
     """The motion at every increment, branches and motion, and what repeats moved on."""

@@ -427,3 +427,11 @@ def test_a_branch_gets_the_states_that_its_curve_needs(scene):
     exact = np.array([(frame.F_bar, frame.L_bar) for frame in shear])
     curve = np.array(skeleton_of(scene).curve(np.array([frame.U_x for frame in shear])))[:2].T
     assert (np.abs(curve - exact) < 1e-3 * np.abs(exact).max(axis=0)).all()
+
+
+@pytest.mark.parametrize("values", [{"delta_n": 1.1}, {"phi_n": 2.2}, {"delta_bar": 0.48}])
+def test_a_punch_whose_nodes_come_within_reach_is_followed_or_refused(values):
+    """Such moves once ended in an AttributeError of the search for the fold."""
+    scene = Scene(nodes=96, width=250.0, radius=0.6, E=160.0, phi_ratio=0.2, delta_bar=0.45)
+    moved = scene.changed(**values)
+    check(follow(skeleton_of(scene), moved), moved)

@@ -12,7 +12,7 @@ from solver import NotConverged, Scene, SceneError, advance, load_path, simulate
 from solver.mechanics.cohesive_law import traction
 from solver.mechanics.layer import Modes
 from solver.run.load_steps import load_steps_of
-from solver.run.loadpath import ALL
+from solver.run.loadpath import ALL, Checkpoint, Run
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2, u_x_max=8.0)
 PATHS = [
@@ -343,3 +343,25 @@ def test_a_load_that_the_approach_does_not_reach_is_refused(load):
     small = Scene(nodes=16, width=40.0, radius=0.6, E=30.0, u_x_max=2.0, du_z=1.0, height=0.3)
     with pytest.raises(SceneError, match=r"load = .*: allowed: .* N/m, .*; give "):
         simulate(small, load=load)
+
+
+def test_a_run_that_is_cancelled_goes_on_from_its_checkpoint_as_if_it_had_not_been():
+    """Each increment is cancelled at its 150th force evaluation; one that long comes into contact."""
+    scene = Scene(E=13.51, delta_bar=-0.331, phi_ratio=1.72, u_x_max=0.0)
+    run, checkpoint, cancelled, frames = Run(scene), Checkpoint(), 0, []
+    while not checkpoint.done:
+        left = iter(range(150))
+
+        def observe(*_, left=left):
+            if next(left, None) is None:
+                raise KeyboardInterrupt
+
+        try:
+            frame, after = run.next_frame(checkpoint, observe)
+        except KeyboardInterrupt:
+            cancelled += 1
+            frame, after = run.next_frame(checkpoint)
+        frames.append(frame)
+        checkpoint = after
+    exact = list(load_path(scene))
+    assert cancelled and all(same(a, b, 1e-9) for a, b in zip(frames, exact, strict=True))
