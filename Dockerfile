@@ -6,21 +6,20 @@ ENV PYTHONUNBUFFERED=1 \
     PYTHONDONTWRITEBYTECODE=1 \
     PIP_NO_CACHE_DIR=1 \
     PIP_DISABLE_PIP_VERSION_CHECK=1 \
-    PIP_CONSTRAINT=/srv/contact/constraints.txt \
     NUMBA_CACHE_DIR=/srv/numba
 
 RUN useradd --create-home --uid 1000 contact && install -d -o contact -g contact /srv/numba
 WORKDIR /srv/contact
 
-# Dependencies first: a change of the code leaves their layer as it is.
-COPY pyproject.toml constraints.txt ./
-RUN python -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['dependencies'], sep='\n')" \
-        > /tmp/dependencies.txt && pip install -r /tmp/dependencies.txt
+# Dependencies first: a change of the code leaves their layer as it is. Each wheel must have a listed hash.
+COPY image.txt ./
+RUN pip install --require-hashes --only-binary :all: -r image.txt
+COPY pyproject.toml ./
 COPY README.md LICENSE ./
 COPY solver solver
 COPY app app
 # Editable: the server and the kernels compiled below must see the same source files, or the cache would not match.
-RUN pip install --no-deps -e .
+RUN pip install --no-deps --no-build-isolation -e .
 
 USER contact
 # Before each run the command compiles every kernel of its method, a worker those of the pages too; workers find them in

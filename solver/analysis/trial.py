@@ -85,7 +85,9 @@ class Model:
 
     def restart(self, skeleton: Skeleton | None = None) -> None:
         """Forget the trials so far; the next one is continued from `skeleton`, or run from its start."""
-        self.best, self.last, self.skeleton = None, None, skeleton
+        self.best: Trial | None = None
+        self.last: Trial | None = None
+        self.skeleton = skeleton
 
     def start(self) -> Floats:
         """Parameters x (n,) of the scene."""

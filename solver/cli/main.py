@@ -3,7 +3,8 @@
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from io import TextIOWrapper
 from textwrap import wrap
 from typing import NoReturn
@@ -102,8 +103,14 @@ def parser() -> Parser:
         add(commands)
     for name, listing in (("parameters", parameter_table), ("presets", preset_table)):
         listed = commands.add_parser(name, help=f"list all {name}", description=f"Lists all {name}.")
-        listed.set_defaults(command=lambda _, listing=listing: print(listing()) or 0)
+        listed.set_defaults(command=partial(print_listing, listing))
     return parser
+
+
+def print_listing(listing: Callable[[], str], _: argparse.Namespace) -> int:
+    """Print a listing, and return the exit code."""
+    print(listing())
+    return 0
 
 
 def parameter_table() -> str:

@@ -1,11 +1,11 @@
 """Strangers: random and mutated messages from several clients, while visitors work.
 
-`python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood] [--seed 0] [--json FILE]` starts
-the server itself, on loopback, and is bounded by its number of messages. Orders are those that `app.session.orders`
-declares, with values that fit, or nearly. `--flood`: valid orders and the longest messages, as fast as possible.
-It also requests addresses that Panel and Bokeh would serve. It prints tracebacks, memory, the lag of the server's loop,
-and whether every visitor's runs came to their end. It exits with 1 if a traceback was logged, a visitor is stuck, or an
-address that is not listed was answered.
+`python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood | --pins] [--seed 0]` starts the
+server itself, on loopback, and is bounded by its number of messages. Orders are those that the session declares, with
+values that fit, or nearly. `--flood` sends valid orders and the longest messages, as fast as possible; `--pins` sends
+runs to pin, each of another scene. Before, it requests addresses that Panel and Bokeh would serve, and sends halves of
+long requests. It prints tracebacks, memory, the lag of the server's loop, and whether every visitor's runs came to
+their end. It exits with 1 if a traceback was logged, a visitor is stuck, or an address that is not listed was answered.
 """
 
 import argparse
@@ -15,6 +15,7 @@ import gzip
 import http.client
 import json
 import random
+import socket
 import sys
 import time
 from contextlib import suppress
@@ -40,7 +41,6 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.is_number: [0.5, 1, 60, 300.0],
     orders.is_whole: [1, 5, 1_000_001],
     orders.is_flag: [True, False],
-    orders.is_increment: [[1, 3], [1, 10**8], [7, 0]],
     orders.are_entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
     orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
     orders.FILES.__contains__: list(orders.FILES),
@@ -142,6 +142,26 @@ async def flood(tab, dice):
         await tab.send("PATCH-DOC", {"events": [[] for _ in range(dice.choice([2_000, 1_000_000]))]})
 
 
+async def pins(tab, dice):
+    """One run to pin."""
+    values = {"E": f"{dice.uniform(20, 100):.6f}"}
+    await tab.send("PATCH-DOC", tab.patch({"do": "pin", "n": 1, "pin": dice.randrange(1, 5), "values": values}))
+
+
+def half_sent(server, number=4, size=80_000_000):
+    """Return MB of the server before and during requests whose bodies have not come to their end."""
+    before, sockets = server.memory(), []
+    for _ in range(number):
+        sockets.append(socket.create_connection(("127.0.0.1", server.port)))
+        head = f"POST /app HTTP/1.1\r\nHost: localhost\r\nContent-Length: {size + 1}\r\n\r\n"
+        with suppress(ConnectionError):
+            sockets[-1].sendall(head.encode() + bytes(size))
+    during = server.memory()
+    for connection in sockets:
+        connection.close()
+    return round(before, 1), round(during, 1)
+
+
 async def stranger(port, number, count, seed, say):
     """Sends its messages, coming back whenever it is thrown out; how often it was."""
     dice, thrown, tab = random.Random(1000 * seed + number), 0, None
@@ -211,7 +231,8 @@ async def attack(server, options):
     await asyncio.sleep(5.0)
     quiet, memory, start = server.metrics(), server.memory(), time.monotonic()
     unlisted = await asyncio.to_thread(answered, server.port)
-    share, say = options.messages // options.clients, flood if options.flood else speak
+    bodies = await asyncio.to_thread(half_sent, server)
+    share, say = options.messages // options.clients, flood if options.flood else pins if options.pins else speak
     thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed, say) for k in range(options.clients)))
     seconds, told = time.monotonic() - start, server.metrics()
     start = time.perf_counter()
@@ -228,6 +249,7 @@ async def attack(server, options):
         "unlisted, but answered": unlisted,
         "tracebacks": server.tracebacks(),
         "lines logged": len(server.lines),
+        "memory before, during half-sent bodies": bodies,
         "memory before, after": (round(memory), round(server.memory())),
         "of runs that are kept": (round(quiet["cache_bytes"] / 1e6), round(told["cache_bytes"] / 1e6)),
         "beats later than, s": later(quiet, told),
@@ -245,6 +267,7 @@ def main():
     parser.add_argument("--clients", type=int, default=5)
     parser.add_argument("--visitors", type=int, default=3)
     parser.add_argument("--flood", action="store_true", help="valid orders and the longest messages, without a pause")
+    parser.add_argument("--pins", action="store_true", help="runs to pin, without a pause")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()

@@ -51,7 +51,8 @@ class Axis:
             PARAMETERS[self.name].checked(self.name, value)
         if not np.isfinite(self.low) or not np.isfinite(self.high) or self.low == self.high:
             raise SceneError(self.name, f"{self.low:g}:{self.high:g}", "allowed: two finite values", "give two values")
-        if not isinstance(self.count, int | np.integer) or not COUNT[0] <= self.count <= COUNT[1]:
+        whole = isinstance(self.count, int | np.integer)  # type: ignore[redundant-expr]
+        if not whole or not COUNT[0] <= self.count <= COUNT[1]:
             allowed = f"allowed: {COUNT[0]} .. {COUNT[1]} values, a whole number"
             raise SceneError(self.name, self.count, allowed, "give such a COUNT")
         if self.log and min(self.low, self.high) <= 0.0:
