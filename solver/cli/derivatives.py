@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from .. import plots, skeleton_of
@@ -103,7 +104,7 @@ def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     print(f"chi^2 per degree of freedom {result.chi2:.3g}, {result.runs} runs")
     print(VERDICTS[result.reached, not result.warnings])
     caution(result.warnings)
-    write(arguments.html, plots.save, plots.comparison, result.rows)
+    write(arguments.html, partial(plots.save, title=repr(scene)), plots.comparison, result.rows)
     write(arguments.csv, write_rows, ["U_x", "quantity", "measured", "model"], result.rows)
     write(arguments.json, write_json, result.as_dict())
     return 0 if result.reached else NOT_CONVERGED

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from functools import partial
 from typing import Any
 from zlib import crc32
 
@@ -57,7 +58,8 @@ def mapped(scene: Scene, arguments: argparse.Namespace) -> int:
         code = INTERRUPTED
     table = grid.table(points).assign(**_origin(grid))
     write(arguments.csv, _write, table, arguments.column, grid)
-    write(arguments.html, plots.save, plots.first_slips, table, grid.x.name, grid.y.name, arguments.column)
+    save, shown = partial(plots.save, title=repr(scene)), (table, grid.x.name, grid.y.name, arguments.column)
+    write(arguments.html, save, plots.first_slips, *shown)
     print(_described(points))
     return code or (NOT_CONVERGED if any(point.reason for point in points) else 0)
 

@@ -110,6 +110,7 @@ def test_plots_are_pages_that_open_offline(call, tmp_path):
     assert call("map", *axes, *small, "--csv", tmp_path / "map.csv", "--html", pages["map"])[0] == 0
     for page in pages.values():
         text = page.read_text(encoding="utf-8")
+        assert f", mixed-mode-contact {__version__}</p>" in text and "Scene(" in text
         assert "bokeh" in text.lower() and not re.search(r"<(script|link)[^>]*(src|href)=\"http", text)
 
 
