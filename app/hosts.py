@@ -1,7 +1,7 @@
 """The host names that this server accepts: those of --allow-websocket-origin, and the loopback names.
 
 Tornado 6.6 accepts a websocket of the page's own origin without asking Bokeh to check it. Without this module, any name
-that resolves to this machine would be accepted (DNS rebinding).
+that resolves to this machine would be accepted (DNS rebinding). Undocumented in Bokeh 3.9: `check_allowlist`.
 """
 
 import re

@@ -2,6 +2,7 @@
 
 A visitor's document on the server has the wire and the slots for figures of pages, with the same ids for all visitors.
 All other models exist only in the browser, which receives the document as text (session/message_filter.py).
+Undocumented in Bokeh 3.9: the id `_id` of a model, and the functions of `bokeh.embed` that write the page.
 """
 
 import json

@@ -6,14 +6,16 @@ A film and the table of a layer belong to one visitor. All visitors share pinned
 from functools import partial
 from typing import Any
 
-from app.service import marks, tasks, worker
+from app.service import tasks, worker
 from app.service.packing import Frames
 from app.service.requests import Requests
 from app.session import orders
-from app.session.controls import scene_from_address
+from app.session.controls import NAMES, scene_from_address
 from app.session.orders import order
-from solver import Frame, Scene
+from solver import Scene, SceneError
+from solver.analysis import marks
 from solver.following.skeleton import Skeleton
+from solver.run.load_steps import lifts
 
 MOST_PINNED = 4
 LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
@@ -26,7 +28,7 @@ class Film(Requests):
     """The transient during a slip of the run on screen."""
 
     @order("film", run=orders.is_whole, frame=orders.is_whole)
-    def request(self, run: int, frame: Frame) -> None:
+    def request(self, run: int, frame: int) -> None:
         """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
         self.cancel()
         shown = self.session.run
@@ -98,6 +100,24 @@ class Pinned:
             requests.cancel()
 
 
+def mark_calls(scene: Scene, skeleton: Skeleton | None) -> dict[str, tuple]:
+    """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its Skeleton or None."""
+    made: dict[str, tuple] = {}
+    if skeleton is not None:
+        made = {name: (marks.of_skeleton, skeleton, name) for name in NAMES}
+    if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
+        made |= {name: (marks.of_flat, scene, name) for name in marks.ENDS}
+    return made
+
+
+def _without(scene, name):
+    """Return the scene with a fixed value of a slider: what its marks depend on."""
+    try:
+        return scene.changed(**{name: 0.0 if name == "delta_bar" else marks.ENDS[name][0]})
+    except SceneError:  # the scene does not allow this value
+        return scene
+
+
 class Marks(Requests):
     """The marks beside the sliders; `values`: {slider: ((value, label), ...)} of those found so far."""
 
@@ -108,9 +128,9 @@ class Marks(Requests):
     def seek(self, scene: Scene, skeleton: Skeleton | None) -> None:
         """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
         self.cancel()
-        keys = {name: marks.key(scene, name) for name in marks.SLIDERS}
+        keys = {name: _without(scene, name) for name in NAMES}
         self.values = {name: values for name, values in self.values.items() if values and keys[name] == self.keys[name]}
-        calls, self.keys = marks.calls(scene, skeleton), keys
+        calls, self.keys = mark_calls(scene, skeleton), keys
         self.calls = {call: name for name, call in calls.items() if name not in self.values}
         self.add(list(self.calls))
 

@@ -2,9 +2,10 @@
 
 import pytest
 
-from app.service import marks
-from app.session.extras import Marks
+from app.session.controls import NAMES
+from app.session.extras import Marks, mark_calls
 from solver import Scene, follow, load_path, skeleton_of
+from solver.analysis import marks
 from solver.analysis.friction_laws import critical_modulus
 from solver.presets import preset
 
@@ -31,7 +32,7 @@ def slips(scene):
 
 def test_marks_of_a_flat_equal_the_exact_limit_of_smooth_sliding():
     flat = preset("fig4a-blue").scene
-    told = marks.calls(flat, None)
+    told = mark_calls(flat, None)
     function, *arguments = told["E"]
     assert function(*arguments) == ((pytest.approx(critical_modulus(flat)), "slides smoothly"),)
     function, *arguments = told["phi_ratio"]
@@ -85,7 +86,7 @@ def test_slips_that_end_between_two_steps_leave_no_mark():
 def test_sliders_have_no_mark_if_the_limit_is_not_reached(default, monkeypatch):
     monkeypatch.setattr(marks, "ENOUGH", 500)
     assert found(default, "E") == found(default, "phi_ratio") == {}
-    assert marks.calls(preset("unload").scene, None) == {}  # a path that is not followed
+    assert mark_calls(preset("unload").scene, None) == {}  # a path that is not followed
 
 
 def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default):
@@ -101,7 +102,7 @@ def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default)
     asked, published = [], []
     page.add = lambda calls: [asked.append(call[2]) or page._made(call, call[0](*call[1:])) for call in calls]
     page.seek(Scene(), default)
-    assert sorted(asked) == sorted(marks.SLIDERS)
+    assert sorted(asked) == sorted(NAMES)
     assert [len(values) for values in published] == [1, 2, 3]
     asked.clear()
     page.seek(Scene(delta_bar=0.1), moved(default, delta_bar=0.1))

@@ -5,7 +5,6 @@ The browser collects the points (static/js/slips.js) and draws them (page.js).
 
 from typing import Any
 
-import holoviews as hv
 from bokeh.models import Span
 from bokeh.models.glyphs import Scatter
 
@@ -13,7 +12,6 @@ from app.pages import Sheet
 from app.schema import CHANGES
 from app.views.plots import add, add_zero, blank, draw
 from solver import Scene, sweep
-from solver.plots import friction_over_load
 
 TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
 DEPTHS = (-0.2, 0.0, 0.2, 0.4)  # delta_bar of a notebook's figure
@@ -32,7 +30,11 @@ def compose() -> list[Any]:
 
 
 def figure(scene: Scene) -> Any:
-    """F_s over L_s of a sweep of the press depth: what a notebook shows."""
+    """F_s over L_s of a sweep of the press depth: what a notebook shows. The server does not import HoloViews."""
+    import holoviews as hv
+
+    from solver.plots import friction_over_load
+
     return hv.render(friction_over_load(sweep(scene, delta_bar=DEPTHS)), backend="bokeh")
 
 

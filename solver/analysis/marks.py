@@ -1,21 +1,21 @@
-"""Marks beside sliders: values where the behaviour changes. They are found by following the run on screen."""
+"""Values of a parameter at which the behaviour changes: no load, the jump into contact, the end of slips."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from solver import NotFollowed, Scene, SceneError, follow
-from solver.analysis.friction_laws import critical_modulus, softening
-from solver.continuation.trace import Branch
-from solver.following.skeleton import Skeleton
-from solver.run.load_steps import lifts
+from ..continuation.trace import Branch
+from ..following.follow import follow
+from ..following.moved import NotFollowed
+from ..following.skeleton import Skeleton
+from ..scene import Scene, SceneError
+from .friction_laws import critical_modulus, softening
 
-SLIDERS = ("delta_bar", "phi_ratio", "E")
 STRIDE = 0.2  # largest step of delta_bar on the way to L = 0
 BEGINNING = 0.1  # shear, in delta_t, that the Skeleton keeps: it needs some
 INTERVALS = 6  # between the states of this shear
 NO_LOAD = 1e-3  # of the largest |L| so far: counts as zero load
-ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # ends of a slider, the smoother first
+ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # ends of the range that is searched, the smoother first
 LABELS = {"E": "slides smoothly", "phi_ratio": "slips above"}  # behaviour above the mark
 FACTOR = 1.25  # largest ratio of two successive values
 PART = 0.6  # largest step, as a part of the distance to the predicted end of slips: beyond it slips get lost
@@ -25,24 +25,8 @@ MOST = 20  # steps on the way to L = 0, at most
 ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 
-def calls(scene: Scene, skeleton: Skeleton | None) -> dict[str, tuple]:
-    """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its Skeleton or None."""
-    made: dict[str, tuple] = {} if skeleton is None else {name: (of_skeleton, skeleton, name) for name in SLIDERS}
-    if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
-        made |= {name: (of_flat, scene, name) for name in ENDS}
-    return made
-
-
-def key(scene: Scene, name: str) -> Scene:
-    """Cache key of the marks of a slider: the scene with a fixed value of that slider."""
-    try:
-        return scene.changed(**{name: 0.0 if name == "delta_bar" else ENDS[name][0]})
-    except SceneError:  # the scene does not allow this value
-        return scene
-
-
 def of_skeleton(skeleton: Skeleton, name: str) -> tuple[tuple[float, str], ...]:
-    """Return the marks ((value, label), ...) of slider `name`, from a Skeleton."""
+    """Marks ((value, label), ...) of parameter `name`: delta_bar, phi_ratio or E. Follows the Skeleton to them."""
     if name == "delta_bar":
         marks = (_no_load(skeleton), "no load"), (skeleton.jumps_in, "jumps in")
         return tuple((value, label) for value, label in marks if value is not None and -1.0 <= value <= 1.0)
@@ -51,7 +35,7 @@ def of_skeleton(skeleton: Skeleton, name: str) -> tuple[tuple[float, str], ...]:
 
 
 def of_flat(scene: Scene, name: str) -> tuple[tuple[float, str], ...]:
-    """Return the marks of a flat, exactly: stick-slip ends where the interface softens by less than k."""
+    """Marks of a flat, exactly: stick-slip ends where the interface softens by less than k."""
     value = critical_modulus(scene)
     if name == "phi_ratio":
         value = scene.phi_ratio / (softening(scene) * scene.shear_compliance)
