@@ -7,12 +7,11 @@ from math import ceil, e, inf, pi, sqrt
 import numpy as np
 
 from ..continuation.state import NotConverged
-from ..presets import presets
 from ..run.frame import slips_in
 from ..run.load_steps import ROUND_OFF
 from ..run.loadpath import Checkpoint, extended
 from ..run.slices import advance
-from ..scene import LARGEST_RUN, Scene, SceneError
+from ..scene import LARGEST_RUN, SceneError
 
 # Paper Fig. 8: three interfaces, presets, over a range of loads from full separation under tension to compression. The
 # paper shows nine loads and names some; the others are ours.
@@ -72,7 +71,9 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
         if slips := slips_in(frame):
             at = slips[0]
             return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar, nodes, 0.0)], True))
-        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes, _strength(scene, frame)))
+        gap = scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
+        strength = tau_max(scene) * float(np.exp(-gap / scene.delta_n).sum()) / scene.nodes  # the springs' mean there
+        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes, strength))
     if checkpoint.failure:
         raise NotConverged(checkpoint.failure)
     if not checkpoint.done:
@@ -87,12 +88,6 @@ def _onset(rows, slipped):
     U, F, A, L, nodes, _ = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
     return Onset(*end, float(A[0]), U, F, A, L, float(nodes[-2:][0] if slipped else nodes[-1]))
-
-
-def _strength(scene, frame):
-    """Mean over the surface of the springs' tangential strength at their gap, GPa: tau_max exp(-dn/delta_n)."""
-    gap = scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
-    return tau_max(scene) * float(np.exp(-gap / scene.delta_n).sum()) / scene.nodes
 
 
 def reach(scene, strength=None) -> float:
@@ -111,11 +106,6 @@ def _extended(scene, end):
         return scene.changed(u_x_max=longest, path="shear")
     except SceneError:  # on a soft layer, so long a run is beyond its tolerance
         return scene.changed(path="shear")
-
-
-def figure_8(indentations=INDENTATIONS) -> list[tuple[str, Scene]]:
-    """[(name of the interface, Scene)] of the 27 runs of paper Fig. 8, or at other indentations."""
-    return [(name, presets()[name].scene.changed(delta_bar=depth)) for name in INTERFACES for depth in indentations]
 
 
 @dataclass(frozen=True)

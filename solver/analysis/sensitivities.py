@@ -132,21 +132,17 @@ def _sensitivities(skeleton, of, branches):
 def _slips(skeleton, folds):
     """The SlipSensitivities up to u_x_max; loads of repeated slips change with the period, sites width/nodes."""
     scene, slips = skeleton.scene, []
+    force = scene.width * scene.E
+    unit = np.array([1.0, force, force, scene.width])  # of U_s, F_bar, L_bar, A_bar, for nm and N/m
     for _, (index, turns) in zip(slips_in(skeleton), skeleton.passes(), strict=False):
         fold, sites = folds[index], turns * skeleton.sites
-        event, unit = replace(fold.event, load=fold.event.load + sites * scene.spacing), _units(scene)
+        event = replace(fold.event, load=fold.event.load + sites * scene.spacing)
         bars = fold._replace(event=event).values
         by = {name: over_own(scene, name, bars, d) * unit for name, d in fold.by.items()}
         if "width" in by:
             by["width"][0] += sites / scene.nodes
         slips.append(SlipSensitivity(event, bars * unit, by, fold.nodes * unit[:, None]))
     return tuple(slips)
-
-
-def _units(scene):
-    """(4,): what U_s, F_bar, L_bar and A_bar are multiplied by to have nm and N/m."""
-    force = scene.width * scene.E
-    return np.array([1.0, force, force, scene.width])
 
 
 def _ahead(solutions, t, fold):

@@ -15,7 +15,8 @@ import numpy as np
 
 from solver import Scene
 from solver.analysis.area_laws import threshold_law
-from solver.analysis.friction_laws import INTERFACES, figure_8, friction, onset
+from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, friction, onset
+from solver.presets import preset
 
 REPETITIONS = 5
 
@@ -68,7 +69,8 @@ def main():
     parser.add_argument("--processes", type=int, default=2, metavar="N")
     parser.add_argument("--repetitions", type=int, default=REPETITIONS, metavar="N")
     arguments = parser.parse_args()
-    tasks = sorted(figure_8(), key=lambda task: -task[1].delta_bar)  # the longest runs first
+    depths = sorted(INDENTATIONS, reverse=True)  # the longest runs first
+    tasks = [(name, preset(name).scene.changed(delta_bar=depth)) for depth in depths for name in INTERFACES]
     results, seconds = in_processes(tasks, arguments.processes, arguments.repetitions)
     for name in INTERFACES:
         runs = [(d, found, s) for n, d, found, s in results if n == name]

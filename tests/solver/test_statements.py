@@ -11,7 +11,7 @@ import pytest
 
 from solver import Scene, load_path
 from solver.analysis.area_laws import quadratic_law, threshold_law
-from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, figure_8, onset
+from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, onset
 from solver.analysis.peeling import edges
 from solver.presets import preset
 
@@ -47,7 +47,8 @@ def up_to_slip(scene):
 @pytest.fixture(scope="module")
 def figure():
     """{(interface, delta_bar): Onset} of Fig. 8 and of the deepest run on each interface."""
-    return {(name, scene.delta_bar): onset(scene) for name, scene in figure_8((*INDENTATIONS, DEEPEST))}
+    depths = (*INDENTATIONS, DEEPEST)
+    return {(name, d): onset(preset(name).scene.changed(delta_bar=d)) for name in INTERFACES for d in depths}
 
 
 def line(figure, interface, indentations=INDENTATIONS):

@@ -94,7 +94,8 @@ def least_gap(frame: Frame) -> tuple[int, float]:
 
 def at_slip(start: Frame, before: Frame, after: Frame, event: SlipEvent) -> dict[str, Any]:
     """Fields of a Point with a first slip, from Frames at U_x = 0, before and after it, and its SlipEvent."""
-    sites = _sites(before, after)
+    node, a = least_gap(before)[0], before.scene.spacing
+    sites = round(after.u[0, node - after.first] / a) - round(before.u[0, node - before.first] / a)
     regime = DETACHES if not touches(after) else IN_PART if sites < 1 else ONE_SITE if sites == 1 else MORE_SITES
     lost, asymmetry = start.A_bar - event.A_bar, peel_asymmetry(start, before)
     return {
@@ -107,12 +108,6 @@ def at_slip(start: Frame, before: Frame, after: Frame, event: SlipEvent) -> dict
         "sites": sites,
         "reattached": max(0.0, after.A_bar - event.A_bar) / lost if lost > LOST / start.scene.nodes else None,
     }
-
-
-def _sites(before, after):
-    """The sites by which a slip moves the node that had the least gap."""
-    node, a = least_gap(before)[0], before.scene.spacing
-    return round(after.u[0, node - after.first] / a) - round(before.u[0, node - before.first] / a)
 
 
 def of_skeleton(skeleton: Skeleton) -> dict[str, Any]:
