@@ -37,6 +37,7 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
     from .analysis.interior import Stress
 
 FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
+PARTED = "pulled off"  # in the reason of a run that ends so under a held load
 SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
 
@@ -47,6 +48,15 @@ class FirstSlip(NamedTuple):
     F_s: float
     L_s: float
     A_s: float
+
+
+class PullOff(NamedTuple):
+    """Where the surfaces part: U_x, delta (nm) of the stage, and F, L (N/m) just before."""
+
+    U_x: float
+    delta: float
+    F: float
+    L: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,6 +109,19 @@ class Result:
         """The FirstSlip of a stage that moves U_x; None without one."""
         found = ((frame, event) for frame in self.frames for event in slides_in(frame))
         return next((_first(frame, event) for frame, event in found), None)
+
+    @property
+    def pull_off(self) -> PullOff | None:
+        """The PullOff of a retraction, or under a held load, there to one increment; None if the surfaces hold."""
+        for frame in self.frames:
+            for event in frame.slips:
+                if kind_of(frame, event) == "pull-off":
+                    values = values_of(frame, event)
+                    return PullOff(*slip_at(frame, event), values["F"], values["L"])
+        if self.frames and PARTED in (self.failure or ""):
+            last = self.frames[-1]
+            return PullOff(last.U_x, last.delta, last.F, last.L)
+        return None
 
     @cached_property
     def cautions(self) -> tuple[str, ...]:

@@ -69,8 +69,9 @@ def test_slips_are_the_events_of_the_run(result):
     assert list(result.first_slip)[1:] == pytest.approx(bars, rel=1e-12)  # round-off
 
 
-def test_a_run_without_a_slip_has_no_first_slip():
-    assert simulate(SMALL.changed(u_x_max=1.0)).first_slip is None
+def test_a_run_without_a_slip_has_no_first_slip_and_no_pull_off():
+    short = simulate(SMALL.changed(u_x_max=1.0))
+    assert short.first_slip is None and short.pull_off is None
 
 
 def test_slips_and_sweeps_show_all_columns_on_80_characters(result):
@@ -95,6 +96,7 @@ def test_slips_of_a_retraction_have_their_indentation():
     assert (off["U_s (nm)"], off["delta_s (nm)"]) == (0.0, events[-1].load)
     assert off["kind"] == "pull-off" and cycle.table["L (N/m)"].min() <= off["L_s (N/m)"] < 0.0
     assert (cycle.slips["kind"] == "pull-off").sum() == 1
+    assert list(cycle.pull_off) == [0.0, off["delta_s (nm)"], off["F_s (N/m)"], off["L_s (N/m)"]]
     oblique = simulate(SMALL.changed(path="points", points="0,-1; 0,0.1; 10,0.2"))
     last = oblique.slips.iloc[-1]
     assert last["delta_s (nm)"] == pytest.approx(1.0 + last["U_s (nm)"] * 0.1)  # 1 nm deeper in 10
@@ -131,6 +133,8 @@ def test_notes_on_a_profile_reach_python():
 def test_a_run_that_fails_keeps_what_it_has_and_names_a_remedy():
     lifted = simulate(SMALL.changed(hold="load", delta_bar=-0.1))
     assert "pulled off" in lifted.failure and "press harder" in lifted.failure
+    last = lifted.frames[-1]
+    assert lifted.pull_off == (last.U_x, last.delta, last.F, last.L) and last.L < 0.0
     assert len(lifted.table) > 0 and lifted.failure in lifted._repr_html_()
     assert "pulled off" in sweep(SMALL.changed(hold="load"), delta_bar=[-0.1])["outcome"][0]
 
