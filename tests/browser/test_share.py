@@ -124,7 +124,7 @@ def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
     for name in names:
         sheet.select_option("#share-view", name)
         picture = Image.open(io.BytesIO(saved(sheet, "#save-png"))).convert("RGB")
-        view = sheet.locator("#punch-view" if name == "punch" else f"[data-view={name}]").bounding_box()
+        view = sheet.locator("#punch-view" if name == "punch" else f".view[data-view={name}]").bounding_box()
         assert picture.width == round(view["width"]) and picture.height >= int(view["height"])
         assert len(picture.getcolors(1_000_000)) > 50  # axes and curves
     sheet.select_option("#share-view", "punch")
