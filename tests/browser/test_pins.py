@@ -43,7 +43,7 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     show.press("Space")
     chip.get_by_role("button", name="Remove Stick, peel, slip").press("Enter")
     page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
-    assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "pin"
+    assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "menu"
 
 
 @pytest.mark.thorough

@@ -41,7 +41,7 @@ const change = (slot, news) => { me.pins = me.pins.map((pin) => (pin.slot === sl
 
 function remove(slot) {
   me.pins = me.pins.filter((pin) => pin.slot !== slot)
-  by("pin").focus()
+  by(by("pin").checkVisibility() ? "pin" : "menu").focus()
 }
 
 // Back on the screen, at an increment of it
