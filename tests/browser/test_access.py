@@ -45,7 +45,7 @@ def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
     page.locator("#term").wait_for()
     assert not found_by_axe(page)
     page.keyboard.press("Escape")
-    for view in ("punch", "map"):
+    for view in ("punch", "area"):
         page.locator(f".as-table[data-view={view}]").click()
         page.locator("#table tbody tr").first.wait_for()
         assert not found_by_axe(page)
