@@ -113,10 +113,11 @@ class Result:
     @property
     def pull_off(self) -> PullOff | None:
         """The PullOff of a retraction, or under a held load, there to one increment; None if the surfaces hold."""
+        least = least_force(self.frames)
         for frame in self.frames:
             for event in frame.slips:
                 if kind_of(frame, event) == "pull-off":
-                    values = values_of(frame, event)
+                    values = values_of(frame, event, least)
                     return PullOff(*slip_at(frame, event), values["F"], values["L"])
         if self.frames and PARTED in (self.failure or ""):
             last = self.frames[-1]
