@@ -47,6 +47,7 @@ def test_a_scheduler_needs_an_address_and_dask(monkeypatch):
     with pytest.raises(SystemExit, match=r"tcp://host:port or tls://host:port"):
         environment.scheduler("APP_SCHEDULER")
     monkeypatch.setenv("APP_SCHEDULER", "tls://host:8786")
+    monkeypatch.setattr(environment, "find_spec", lambda name: name == "distributed")
     assert environment.scheduler("APP_SCHEDULER") == "tls://host:8786"
     monkeypatch.setattr(environment, "find_spec", lambda _: None)
     with pytest.raises(SystemExit, match=r"needs dask. Run pip install"):
