@@ -25,6 +25,7 @@ from typing import Any
 
 from app.service import metrics
 from app.service.cache import Cache, size_of
+from app.service.packing import Frames
 from app.service.pool import HEAVY, LATER, NOBODY, Pool
 from app.service.pool import pool as shared_pool
 from app.service.worker import Part, compute
@@ -293,8 +294,9 @@ def _is_final(made: Any) -> bool:
 
 
 def _count(made: Any) -> None:
-    metrics.count("slices")
-    metrics.count("evaluations", getattr(made, "evaluations", 0))
+    if isinstance(made, Frames):
+        metrics.count("slices")
+        metrics.count("evaluations", made.evaluations)
 
 
 jobs = Jobs(shared_pool)

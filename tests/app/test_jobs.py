@@ -7,9 +7,10 @@ from types import SimpleNamespace
 import pytest
 from visitor import SHORT, NoPool, whole_run
 
-from app.service import worker
+from app.service import metrics, worker
 from app.service.cache import size_of
 from app.service.jobs import MOST, Jobs
+from app.service.packing import Frames
 from app.service.pool import HEAVY, LATER, SCREEN
 from app.service.requests import Requests
 from app.service.worker import Part
@@ -131,6 +132,15 @@ def test_a_large_or_private_result_displaces_nothing_from_the_cache(jobs, tasks)
     mine.add_one(("a file of mine",), lambda result: None, private=True)
     tasks[2].set_result(b"1")
     assert list(jobs.results) == [CALL]
+
+
+def test_metrics_count_parts_of_runs_only(jobs, tasks):
+    before = metrics.counted("slices")
+    mine = requests(jobs)
+    mine.add([CALL, (worker.compute, SHORT)])
+    tasks[0].set_result(3)
+    tasks[1].set_result(Frames(frames=7, evaluations=90))
+    assert metrics.counted("slices") == before + 1
 
 
 def test_equal_private_calls_are_not_shared(jobs, tasks):

@@ -79,6 +79,10 @@ def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_sta
     )
     assert 1 <= sum(known) <= 2 < len(known)  # a predicted run has the fields of two increments
     page.evaluate("document.getElementById('table').close()")
+    imported(page, "share")
+    heading, row = page.evaluate("modules.share.csv(punch.run)").splitlines()[1:3]
+    saved = dict(zip(heading.split(","), row.split(","), strict=True))
+    assert saved["residual (nm)"] == saved["evaluations"] == "" and saved["F (N/m)"]  # of a prediction none is known
     assert page.inner_text("figure[aria-label^='Friction'] .ghost") == "before: δ/δ₀ = 0.1"
     page.mouse.up()
     page.wait_for_function("!punch.run.followed", timeout=PATIENCE)

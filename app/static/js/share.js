@@ -12,10 +12,12 @@ import { parameters } from "./words.js"
 const NAME = "mixed-mode-contact"
 // Columns as in `Result.table`: heading, and the value of an increment
 const COLUMNS = {
-  stage: (run, k) => run.leg(k), "U_x (nm)": (run, k) => run.curves.U_x[k], "delta (nm)": (run, k) => run.curves.delta[k],
+  stage: (run, k) => run.leg(k),
+  "U_x (nm)": (run, k) => run.curves.U_x[k], "delta (nm)": (run, k) => run.curves.delta[k],
   "U_x_top (nm)": (run, k) => run.top(k, "U_x"), "delta_top (nm)": (run, k) => run.top(k, "delta"),
   "F (N/m)": (run, k) => run.values(k).F, "L (N/m)": (run, k) => run.values(k).L, "A (nm)": (run, k) => run.values(k).A,
-  "residual (nm)": (run, k) => run.curves.residual[k], evaluations: (run, k) => run.curves.evaluations[k],
+  "residual (nm)": (run, k) => (run.followed ? "" : run.curves.residual[k]), // a prediction has none
+  evaluations: (run, k) => (run.followed ? "" : run.curves.evaluations[k]),
   slip: (run, k) => (run.curves.slip[k] > 0 ? "True" : "False"),
 }
 let connected = false

@@ -40,7 +40,7 @@ function describe(name, value, error, before) {
   if (name === "delta_bar") tellDepth(value, error)
 }
 
-// Marks beside the sliders, where something changes in the scene on screen (solver/analysis/marks.py); a click goes there
+// Marks beside the sliders, where the behaviour changes (solver/analysis/marks.py); a click goes there
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
 
