@@ -156,8 +156,8 @@ def test_frames_compare_and_hash_by_identity_and_print_in_a_line():
     """As `in`, sets and an interactive session need it: arrays have no truth value, and a printed frame took 23 kB."""
     first, second = list(load_path(Scene(surface="flat", phi_ratio=0.1, u_x_max=0.0, du_z=1.0)))[:2]
     assert first == first and first != second and first in [second, first] and len({first, second, first}) == 2
-    assert repr(first).startswith("Frame(stage='approach', index=0, ") and len(repr(first)) < 400
-    assert "F_bar=" in repr(first) and "array" not in repr(first)
+    assert repr(first).startswith("Frame(approach 0: U_x = 0 nm, delta = -10 nm, F = ") and len(repr(first)) < 400
+    assert " N/m, A = " in repr(first) and "array" not in repr(first)
 
 
 def test_frames_are_described_with_their_own_scene():
