@@ -114,7 +114,6 @@ class Scene:
     phi_ratio: float = number(1.0, 0.0, 100.0, "", "tangential over normal work of separation", INTERFACE)
     delta_n: float = number(1.0, 1e-2, 1e2, "nm", "normal characteristic length of the interface", INTERFACE)
     delta_t: float = number(1.0, 1e-2, 1e2, "nm", "tangential characteristic length of the interface", INTERFACE)
-    window_n: float = number(10.0, 4.0, 40.0, "δₙ", "normal extent of the interaction window", INTERFACE)
     window_t: float = number(5.0, 4.0, 20.0, "δₜ", "tangential half-width of the interaction window", INTERFACE)
 
     E: float = number(70.0, 1e-2, 1e6, "GPa", "Young's modulus of the layer", LAYER)

@@ -112,6 +112,7 @@ def as_number(value: Any) -> float:
         return nan
 
 
+RETIRED = {"window_n": "it has no effect since version 0.2, as springs act at any gap: leave it out"}
 MEANT = {  # {parameter: what others call it, in small letters without underscores}
     "E": ("emod", "emodulus", "young", "youngs", "youngsmodulus", "youngmodulus", "modulus", "stiffness"),
     "nu": ("poisson", "poissonratio", "poissonsratio"),
@@ -129,7 +130,9 @@ MEANT = {  # {parameter: what others call it, in small letters without underscor
 
 
 def name_remedy(name: str, allowed: Iterable[str]) -> str:
-    """What to do about a name that is not allowed: the allowed one of that meaning or spelling, if there is one."""
+    """What to do about a name that is not allowed: leave it out if it is retired, else an allowed one like it."""
+    if name in RETIRED:
+        return RETIRED[name]
     by_lower = {other.lower(): other for other in allowed}
     plain = name.lower().replace("_", "").replace("'", "")
     meant = [other for other, words in MEANT.items() if plain in words and other.lower() in by_lower]

@@ -13,6 +13,7 @@ from app.session import profiles
 from solver import CHOICES, LIMITS, Profile, ProfileError, Scene, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
+from solver.schema import RETIRED
 from solver.surfaces import SURFACES
 from solver.text import number_from_text
 
@@ -231,6 +232,8 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
 
 def _unknown(name):
     """Return the message about an unknown name in an address."""
+    if name in RETIRED:
+        return f"“{name}” in the address: {RETIRED[name]}."
     close = " or ".join(get_close_matches(name, PARAMETERS))
     return f"“{name[:40]}” in the address is unknown and has no effect{f'. Use {close}.' if close else '.'}"
 

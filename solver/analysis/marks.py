@@ -67,13 +67,11 @@ def _no_load(skeleton):
 
 def _at_rest(skeleton):
     """Return the Skeleton of the same scene with little shear: enough to compute the load."""
-    reach, first = BEGINNING * skeleton.scene.delta_t, skeleton.first
+    reach = BEGINNING * skeleton.scene.delta_t
     scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
     loads = np.linspace(0.0, reach, INTERVALS + 1)
     v = skeleton.unknowns(loads)
-    m = skeleton.nodes
-    active = scene.profile[first : first + m] + v[:, m : 2 * m] <= scene.window_n * scene.delta_n
-    return replace(skeleton, scene=scene, branches=(Branch.of(loads, v, active),), home=0, sites=0)
+    return replace(skeleton, scene=scene, branches=(Branch.of(loads, v),), home=0, sites=0)
 
 
 def _border(skeleton, name):

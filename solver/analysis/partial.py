@@ -1,7 +1,6 @@
 """Derivatives of a state's equations by the parameters of its Scene at fixed displacements.
 
 They are central differences of the law and of the layer's compliance, which are smooth, and right to some ten digits.
-Active nodes stay active: the edge of the window is a cut, not physics.
 """
 
 from collections.abc import Callable
@@ -30,7 +29,7 @@ def continuous(scene: Scene) -> tuple[str, ...]:
     """Names of the parameters on which a run of the scene depends smoothly.
 
     Left out: choices, whole numbers, cut_off, and parameters without effect on the branches (u_x_max, du_x, du_z,
-    tolerance, damping, window_n), and the stiffness of a rigid drive.
+    tolerance, damping), and the stiffness of a rigid drive.
     """
     own = [name for name in SURFACES[scene.surface].parameters if name in LIMITS and not LIMITS[name].whole]
     driven = [name for name in DRIVE if isfinite(getattr(scene, name))]
@@ -79,7 +78,7 @@ class Change:
             return np.zeros((len(at.x), rows, at.x.shape[1]))
         low, high = self.profiles[:, None, at.first : at.first + at.x.shape[1]] + at.z
         change = kernel(self.high, at.x, high) - kernel(self.low, at.x, low)
-        return np.where(at.active, change / self.span, 0.0).swapaxes(0, 1)
+        return (change / self.span).swapaxes(0, 1)
 
     def complied(self, pulled: "Pulled") -> Floats | float:
         """dC T on the patch, (k, 2, m) nm per unit, of Pulled tractions T; 0.0 where C does not change."""
@@ -100,13 +99,12 @@ class Change:
 
 
 class States:
-    """x, z (k, m) nm, active (k, m) and tractions T (k, 2, m) GPa of k states on the patch from node `first` on."""
+    """x, z (k, m) nm and tractions T (k, 2, m) GPa of k states on the patch from node `first` on."""
 
     def __init__(self, linearised, T, first):
         """linearised: k Linearised of the states."""
         self.first, self.T = first, np.array(T)
         self.x, self.z = np.array([each.u for each in linearised]).swapaxes(0, 1)
-        self.active = np.array([each.active for each in linearised])
 
 
 class Pulled:

@@ -191,7 +191,7 @@ class _Differentiator:
         self.pressure_by = np.zeros(len(self.changes))
         self.pressure_nodes = np.zeros(skeleton.nodes)  # by the strength of each node of the patch
         if held is not None:
-            self._carry(self.settled(held.v, held.active, 0.0, tolerance=FINE))
+            self._carry(self.settled(held.v, 0.0, tolerance=FINE))
 
     def _carry(self, state):
         """From now on hold the load of a state at given indentation."""
@@ -209,13 +209,13 @@ class _Differentiator:
         """Whether a load is held."""
         return self.problem.held
 
-    def settled(self, v, active, load, accuracy=ACCURACY, tolerance=None) -> _State:
+    def settled(self, v, load, accuracy=ACCURACY, tolerance=None) -> _State:
         """The _State next to v by Newton's steps; raises NotFollowed where they do not reach the tolerance, nm."""
         problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
         for _ in range(NEWTON):
-            linearised = problem.linearised(v, active)
-            if problem.residual(v, active, load, r) <= tolerance:
-                return _State(linearised, Solves(linearised, accuracy=accuracy), problem.traction(v, active))
+            linearised = problem.linearised(v)
+            if problem.residual(v, load, r) <= tolerance:
+                return _State(linearised, Solves(linearised, accuracy=accuracy), problem.traction(v))
             v = v - Solves(linearised, accuracy=CORRECTED)(r)
         raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
 
@@ -252,7 +252,7 @@ class _Differentiator:
         solutions: list[tuple[Floats, Floats]] = []
         for i in range(n - (fold is not None)):
             passed = branch.states[i]
-            state = self.settled(passed.v, passed.active, passed.load, ALONG)
+            state = self.settled(passed.v, passed.load, ALONG)
             outputs[1:, i] = forces_and_area(self.scene, state.T)
             guess = _ahead(solutions, t, fold)
             solutions.append(self.duals(state, gradients(self.scene, state.T), *guess))
@@ -277,9 +277,9 @@ class _Differentiator:
         fold = fold_near(problem, branch.slip, SHARP)
         if fold is None:
             raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
-        at = Bordered(problem, fold.v, fold.active, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
+        at = Bordered(problem, fold.v, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
         linearised: Any = at.linearised
-        state = _State(linearised, at.solves, problem.traction(fold.v, fold.active))
+        state = _State(linearised, at.solves, problem.traction(fold.v))
         outputs, pull = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
         rises = np.array([linearised.by_unknowns(gradient) for gradient in pull])
         back = (rises @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold

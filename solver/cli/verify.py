@@ -12,6 +12,7 @@ from .. import METHODS, Profile, Scene, SceneError, load_path, summarize
 from ..files import SCHEMA, origin, plain
 from ..results import collected
 from ..run.summary import curves_of, fields_of
+from ..schema import RETIRED
 from .options import NOT_CONVERGED, InputError
 
 SAME = 1e-6  # of the largest of its kind: ends of branches are located to 1e-6 nm
@@ -86,6 +87,8 @@ def read(file: str) -> tuple[dict[str, Any], Scene, dict[str, np.ndarray]]:
 def _scene(values):
     """The Scene of its fields in JSON."""
     given = {name: inf if value == "inf" else value for name, value in values.items()}
+    for name in RETIRED.keys() & given.keys():
+        print(f"{name} = {given.pop(name)}: {RETIRED[name]}")
     if measured := given.pop("measured", None):
         given["measured"] = Profile(measured["length"], measured["heights"], tuple(measured["notes"]))
     return Scene(**given)

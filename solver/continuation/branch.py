@@ -51,32 +51,8 @@ ONE = 1e-12  # of the largest arc: points closer than that are one, to round-off
 
 def continue_branch(corrector, judge, state, target, options: BranchOptions = OPTIONS) -> State | End:
     """The State at load `target`, nm, on the branch of `state`, or the End that comes before it."""
-    arc = _Arc(corrector, judge, state, target, options)
-    reached = _by_load(corrector, judge, state, target, options) or arc.to_target()
-    settled = np.zeros(state.active.size, bool)
-    while isinstance(reached, End) and reached.located:
-        # nodes that crossed the edge of the window on the way are admitted or left out, and the end located again
-        active = corrector.problem.active(reached.v, reached.load, reached.active, settled)
-        if active is reached.active:
-            break
-        settled |= active != reached.active
-        state = _with_nodes(corrector, state, active)
-        if not state:
-            return reached._replace(kind="lost")  # not the end of a branch of the nodes that interact there
-        reached = _Arc(corrector, judge, state, target, options).to_target()
-    return reached
-
-
-def _with_nodes(corrector, state, active):
-    """The State, and those before it, solved again with these nodes active; None if that fails."""
-    past = []
-    corrector.begin(state)  # not with the inverse at hand: the tangent at an end is singular
-    for load, v in state.past[:3]:
-        v = v.copy()
-        if corrector.solve(v, active, load, state.secants) is None:
-            break
-        past.append(Point(load, v))
-    return past and State(state.load, past[0].v, active, past, state.secants, corrector.sharp, state.mode)
+    reached = _by_load(corrector, judge, state, target, options)
+    return reached or _Arc(corrector, judge, state, target, options).to_target()
 
 
 def _by_load(corrector, judge, state, target, options):
@@ -86,25 +62,25 @@ def _by_load(corrector, judge, state, target, options):
     if np.abs(guess - state.v).max() > MOVED * unit:
         return None
     v = guess.copy()
-    active = corrector.settle(v, corrector.problem.active(v, target, state.active), target, state.secants)
+    solved = corrector.solve(v, target, state.secants)
     way = np.abs(v - state.v).max()
-    if active is None or way > MOVED * unit or target - state.load < options.steep * way:
+    if solved is None or way > MOVED * unit or target - state.load < options.steep * way:
         return None
     if len(past) > 1 and np.abs(v - guess).max() > options.short * unit:
         return None
-    mode = judge.accept(corrector.problem, v, active, state.mode, corrector.inverse)
+    mode = judge.accept(corrector.problem, v, state.mode, corrector.inverse)
     if not mode.rests:
         return None
-    return _on_branch(corrector, state, Point(target, v), active, mode, state.past, options.order)
+    return _on_branch(corrector, state, Point(target, v), mode, state.past, options.order)
 
 
-def _on_branch(corrector, state, point, active, mode, past, order):
+def _on_branch(corrector, state, point, mode, past, order):
     """The State at a Point that follows `state` on its branch, after the points `past`, newest first.
 
     order: of the extrapolation for which it keeps points.
     """
     past = [point, *[p for p in past if p[0] != point.load][: order + 1]]
-    return State(*point, active, past, state.secants, corrector.sharp, mode, residual=corrector.worst)
+    return State(*point, past, state.secants, corrector.sharp, mode, residual=corrector.worst)
 
 
 class _Arc:
@@ -123,7 +99,7 @@ class _Arc:
             return end
         for _ in range(options.points):
             last = np.abs(points[0].v - points[1].v).max()
-            if last == 0.0 or step < options.shortest * unit:  # a node at the edge, or no interaction yet
+            if last == 0.0 or step < options.shortest * unit:
                 return self._lost()
             chord, arcs = _on_chord(points)
             step = min(step, options.growth * last)
@@ -160,13 +136,13 @@ class _Arc:
         if np.abs(np.diff(sorted(arcs))).min() <= ONE * max(map(abs, arcs)):
             return None
         load, v = mixed(lagrange(arcs, arc), points)
-        load = self.corrector.solve(v, self.state.active, load, self.state.secants, chord, arc)
+        load = self.corrector.solve(v, load, self.state.secants, chord, arc)
         return None if load is None else Point(load, v)
 
     def _lost(self):
         """The End "lost": the motion shall start from the state at hand, under the load asked for."""
         state = self.state
-        return End(max(self.target, state.load), state.v, state.active, np.zeros_like(state.v), "lost")
+        return End(max(self.target, state.load), state.v, np.zeros_like(state.v), "lost")
 
     # the target
 
@@ -180,10 +156,10 @@ class _Arc:
             last, before = points[:2]
             part = (target - before.load) / (last.load - before.load)
             v = before.v + part * (last.v - before.v)
-            active = self.corrector.settle(v, self.state.active, target, self.state.secants)
+            solved = self.corrector.solve(v, target, self.state.secants)
             chord, arcs = _on_chord(points)
             # farther beyond the newest point it may be a state past a fold, on the unstable branch
-            if active is not None and dot(chord, v) <= arcs[0] + options.beyond * (arcs[0] - arcs[1]):
+            if solved is not None and dot(chord, v) <= arcs[0] + options.beyond * (arcs[0] - arcs[1]):
                 break
             point = self._point_at(chord, arcs[1] + part * (arcs[0] - arcs[1]), points)
             if point is None:
@@ -191,11 +167,11 @@ class _Arc:
             points = [points[0], point, *points[1:3]] if point.load < target else [point, *points[1:3]]
         else:
             return self._lost()
-        mode = self.judge.rightmost(self.problem, v, active, self.state.mode, self.corrector.inverse)
+        mode = self.judge.rightmost(self.problem, v, self.state.mode, self.corrector.inverse)
         if not mode.rests:
             return self._end(points, Point(target, v), mode, fold)
         below = [p for p in points if p.load < target]
-        return _on_branch(self.corrector, self.state, Point(target, v), active, mode, below, options.order)
+        return _on_branch(self.corrector, self.state, Point(target, v), mode, below, options.order)
 
     # ends
 
@@ -215,8 +191,7 @@ class _Arc:
 
     def _unstable(self, points):
         """The end of the branch between the last two Points, if the newest is unstable; else None."""
-        v, active = points[0].v, self.state.active
-        self.mode = self.judge.accept(self.problem, v, active, self.mode, self.corrector.inverse)
+        self.mode = self.judge.accept(self.problem, points[0].v, self.mode, self.corrector.inverse)
         return None if self.mode.rests else self._end(points, points[0], self.mode)
 
     def _end(self, points, after, mode, fold=None):
@@ -237,7 +212,7 @@ class _Arc:
         chord, arcs = _on_chord(points)
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
         for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
-            fold = fold_near(self.problem, End(load, v, self.state.active, last.v - before.v), self.options.fold)
+            fold = fold_near(self.problem, End(load, v, last.v - before.v), self.options.fold)
             if fold is not None and fold.load >= before.load and arcs[-1] < dot(chord, fold.v) < arcs[0]:
                 return fold
         return None
@@ -260,9 +235,7 @@ class _Arc:
         load, step = last.load + 0.5 * bend * top**2, last.v - before.v
         if top > longest or load > self.target:
             return None
-        fold = fold_near(
-            self.problem, End(load, last.v + step * (top / way), self.state.active, step), self.options.fold
-        )
+        fold = fold_near(self.problem, End(load, last.v + step * (top / way), step), self.options.fold)
         if fold is None or fold.load < last.load or (fold.v - last.v) @ step < 0.0:
             return None
         return self._at_fold(fold, points) if np.abs(fold.v - last.v).max() <= longest else None

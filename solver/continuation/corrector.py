@@ -32,16 +32,16 @@ OPTIONS = CorrectorOptions()
 class Corrector:
     """Solves one problem; between calls it keeps the inverse in use, and scratch.
 
-    worst: the residual of the last solution, nm. sharp: (v, active) of the equilibrium whose tangent is inverted, or
-    None; a State keeps it for `begin`. inverse: a function from (size,) to (size,) close to -(dR/dv)^-1, for other
-    uses; None where it takes iterations, which are too slow for them.
+    worst: the residual of the last solution, nm. sharp: v of the equilibrium whose tangent is inverted, or None; a
+    State keeps it for `begin`. inverse: a function from (size,) to (size,) close to -(dR/dv)^-1, for other uses; None
+    where it takes iterations, which are too slow for them.
     """
 
     def __init__(self, problem, options: CorrectorOptions = OPTIONS):
         self.problem, self.options, self.worst = problem, options, np.inf
         self.sharp = self.inverse = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
-        self._origin: tuple | None = None  # (v, active) of the equilibrium found last
+        self._origin: np.ndarray | None = None  # v of the equilibrium found last
         self._r = np.empty(problem.size)
 
     def secants(self) -> Secants:
@@ -50,46 +50,30 @@ class Corrector:
 
     def begin(self, state) -> None:
         """Prepare to go on from a State, with the inverse by which it was reached, if any."""
-        self._origin = state.v, state.active
+        self._origin = state.v
         self._use(state.sharp)
 
     def _use(self, sharp):
-        """From now on use the inverse of the tangent at the equilibrium `sharp`, (v, active), or none."""
+        """From now on use the inverse of the tangent at the equilibrium `sharp`, or none."""
         if sharp is None:
             self.sharp = self.inverse = self._smooth = None
         elif not self._uses(sharp):
-            self.sharp, self.inverse = sharp, self.problem.preconditioner(*sharp)
-            self._smooth = self.inverse or self._iterations(*sharp, self.options.iterated)
+            self.sharp, self.inverse = sharp, self.problem.preconditioner(sharp)
+            self._smooth = self.inverse or self._iterations(sharp, self.options.iterated)
 
     def _uses(self, sharp):
-        return self.sharp is not None and np.array_equal(self.sharp[0], sharp[0])
+        return self.sharp is not None and np.array_equal(self.sharp, sharp)
 
     def direction(self, state) -> np.ndarray:
         """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
-        return self._iterations(state.v, state.active)(self.problem.direction)
+        return self._iterations(state.v)(self.problem.direction)
 
-    def _iterations(self, v, active, *accuracy):
+    def _iterations(self, v, *accuracy):
         """The inverse of -dR/dv by iterations."""
-        inverse = Inverse(self.problem.linearised(v, active).tangent, self.problem.size)
+        inverse = Inverse(self.problem.linearised(v).tangent, self.problem.size)
         return lambda r: -inverse.solve(r, *accuracy)
 
-    def settle(self, v, active, s, secants) -> np.ndarray | None:
-        """Solve for v (size,), in place, with the set of active nodes, bool; returns that set, or None if it fails.
-
-        Where nodes have crossed the edge of the window, the set changes and the solve repeats. Each node changes at
-        most once, so that this ends, even where an active node leaves the window and an inactive one enters it.
-        """
-        settled = None
-        while self.solve(v, active, s, secants) is not None:
-            again = self.problem.active(v, s, active, settled)
-            if again is active:
-                return active
-            changed = again != active
-            settled = changed if settled is None else settled | changed
-            active = again
-        return None
-
-    def solve(self, v, active, s, secants, chord=None, arc=0.0) -> float | None:
+    def solve(self, v, s, secants, chord=None, arc=0.0) -> float | None:
         """Solve for v (size,), in place, at fixed load s, nm; returns the load, or None if it fails.
 
         With a chord, the load changes so that <chord, v> = arc, nm. Where Anderson steps fail, they are tried again
@@ -97,11 +81,11 @@ class Corrector:
         steps that led nowhere would mislead the next ones.
         """
         guess = v.copy()
-        self._origin = self._origin or (guess, active)
+        self._origin = guess if self._origin is None else self._origin
         while True:
-            load = self._anderson(v, active, s, secants, chord, arc)
+            load = self._anderson(v, s, secants, chord, arc)
             if load is not None:
-                self._origin = v.copy(), active
+                self._origin = v.copy()
                 return load
             v[:] = guess
             secants.forget()
@@ -109,11 +93,11 @@ class Corrector:
                 return None
             self._use(self._origin)
 
-    def _anderson(self, v, active, s, secants, chord, arc):
+    def _anderson(self, v, s, secants, chord, arc):
         """One attempt of `solve`."""
         problem, r, direction = self.problem, self._r, self.problem.direction
         left = self.options.steps if self.sharp is None else self.options.sharp_steps
-        self.worst = problem.residual(v, active, s, r)
+        self.worst = problem.residual(v, s, r)
         while not self.worst <= problem.tolerance:  # nan neither is nor becomes a solution
             if left == 0 or not isfinite(self.worst):
                 return None
@@ -126,7 +110,7 @@ class Corrector:
                 change = (arc - dot(chord, v) - dot(chord, move)) / slope if slope != 0.0 else 0.0
                 move += change * response
             change *= advance(v, move, self.options.longest * problem.unit)
-            self.worst = problem.residual(v, active, s, r)
+            self.worst = problem.residual(v, s, r)
             secants.push(v, r, v_before, r_before)
             if chord is not None:
                 s += change

@@ -29,7 +29,6 @@ class FoldOptions:
     longest: float = 0.3  # units, of one step; from longer ones punches reached the folds of other branches
     farthest: float = 1.5  # units from the guess: beyond, it is another fold
     steps: int = 15  # most Newton steps; folds that exist took 10 at most in the slider box
-    window: int = 0  # changes of the active nodes, at most; by default they stay those of the guess
     products: int = MOST  # most products of iterative solves with one matrix, before it is factorised
 
 
@@ -40,9 +39,9 @@ class Bordered:
     length 1 and g as of R_s of length 1; slopes (size,), the derivative of <psi, A phi> by the state.
     """
 
-    def __init__(self, problem: Problem, v, active, phi, psi=None, options: FoldOptions = FoldOptions()):
+    def __init__(self, problem: Problem, v, phi, psi=None, options: FoldOptions = FoldOptions()):
         """phi, psi: guesses, any length; psi None: the one of a symmetric interaction."""
-        self.v, self.linearised = v.copy(), problem.linearised(v, active)
+        self.v, self.linearised = v.copy(), problem.linearised(v)
         c = phi / np.linalg.norm(phi)
         psi = self.linearised.mirrored(c) if psi is None else psi
         self.load = problem.direction / np.linalg.norm(problem.direction)
@@ -75,30 +74,27 @@ def fold_near(problem: Problem, guess: End, options: FoldOptions = FoldOptions()
 
 
 def _search(problem, guess, options):
-    v, load, active, unit = guess.v.copy(), guess.load, guess.active, problem.unit
-    phi, psi, r, changes = guess.phi, guess.psi, np.empty(problem.size), 0
+    v, load, unit = guess.v.copy(), guess.load, problem.unit
+    phi, psi, r = guess.phi, guess.psi, np.empty(problem.size)
     if phi is None:
         phi = problem.direction  # near a fold, solves with the bordered matrix turn it
     matrix, slow, last = None, False, (np.inf, np.inf)
     for _ in range(options.steps):
-        worst = problem.residual(v, active, load, r)
+        worst = problem.residual(v, load, r)
         sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
         if matrix is not None and sharp and worst <= problem.tolerance:
-            return _fold(problem, matrix, load, v, active, phi, worst)
+            return _fold(problem, matrix, load, v, phi, worst)
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
-            matrix = Bordered(problem, v, active, phi, psi, options)
+            matrix = Bordered(problem, v, phi, psi, options)
             phi, psi, g = matrix.phi, matrix.psi, matrix.g
         else:
-            phi, g = matrix.turned(problem.linearised(v, active), phi)
+            phi, g = matrix.turned(problem.linearised(v), phi)
         dv, ds = _step(problem, matrix, phi, g, r)
         slow, last = np.abs(dv).max() > options.slow * last[1], (abs(ds), np.abs(dv).max())
         part = min(1.0, options.longest * unit / max(last[1], TINY))
         v, load = v + part * dv, load + part * ds
         if not np.abs(v - guess.v).max() <= options.farthest * unit:  # nan fails it too
             return None
-        again = problem.active(v, load, active) if changes < options.window else active
-        if again is not active:
-            active, matrix, changes = again, None, changes + 1
     return None
 
 
@@ -110,8 +106,8 @@ def _step(problem, matrix, phi, g, r):
     return dv + part * phi, (ds + part * g) / np.linalg.norm(problem.direction)
 
 
-def _fold(problem, matrix, load, v, active, phi, worst):
+def _fold(problem, matrix, load, v, phi, worst):
     if not matrix.slopes @ phi > 0.0:  # a minimum of the load
         return None
     psi = matrix.psi / np.linalg.norm(problem.direction)
-    return End(load, v, active, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
+    return End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))

@@ -33,38 +33,27 @@ class Gfmd:
     def increment(self, state, target) -> Increment:
         """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
         while True:
-            v, active, residual = self._settled(state, target)
-            if not self.problem.crowded(v, active, target):
+            v, residual = self._moved(state.v, state.load, target)
+            if not self.problem.crowded(v, target):
                 break
             self.problem, state = state.on_wider(self.problem)
-        after = State.at_rest(target, v, active, residual=residual)
-        slip = End(state.load, state.v, state.active, None, "lost", after=after)
+        after = State.at_rest(target, v, residual=residual)
+        slip = End(state.load, state.v, None, "lost", after=after)
         return Increment(after, (slip,) if slipped(self.problem, state, target, after) else ())
 
-    def _settled(self, state, target):
-        """(v, active, residual) at rest; the active nodes change between two motions only, each node once."""
-        v, active, load, settled = state.v, state.active, state.load, np.zeros(state.active.size, bool)
-        while True:
-            v, residual = self._moved(v, active, load, target)
-            load, again = target, self.problem.active(v, target, active, settled)
-            if again is active:
-                return v, active, residual
-            settled |= again != active
-            active = again
-
-    def _moved(self, v, active, load, target):
+    def _moved(self, v, load, target):
         """(v, residual) at rest under load `target`, from rest at `load`."""
         problem, dynamics, r = self.problem, self.problem.motion(), np.empty(self.problem.size)
         options = self.options
-        motion = self._motion(dynamics, dynamics.start(v, active, load), target)
+        motion = self._motion(dynamics, dynamics.start(v, load), target)
         for _ in range(0, options.budget, options.check):
-            motion.soften(self._stiffness(dynamics, v, active))
-            motion.advance(active, options.check)
+            motion.soften(self._stiffness(dynamics, v))
+            motion.advance(options.check)
             v = dynamics.unknowns(motion.y)
-            residual = problem.residual(v, active, target, r)
+            residual = problem.residual(v, target, r)
             if residual <= problem.tolerance:
                 return v, residual
-            problem.active(v, target)  # raises PulledOff once the contact no longer carries a held load
+            problem.hold(v, target)
             if not isfinite(residual):
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
         raise NotConverged(f"residual {residual:.2g} nm after {options.budget} steps of damped motion")
@@ -72,6 +61,6 @@ class Gfmd:
     def _motion(self, dynamics, y, load):
         return (ExplicitMotion if isfinite(self.damping) else Creep)(dynamics, y, load, self.damping, self.closed)
 
-    def _stiffness(self, dynamics, v, active):
+    def _stiffness(self, dynamics, v):
         """Largest stiffness of the interaction, GPa/nm, which limits the steps."""
-        return dynamics.interface(v, active)
+        return dynamics.interface(v)

@@ -59,9 +59,9 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     if problem.uniform:
         wide, state = state.on_wider(problem)
         start = options.slip.start * problem.unit
-        begun, _ = wide.adopted(problem, end.v + start * end.phi, end.active, end.load)
-        v, active = wide.adopted(problem, end.v, end.active, end.load)
-        end = end._replace(v=v, active=active, phi=(begun - v) / start)
+        begun = wide.adopted(problem, end.v + start * end.phi, end.load)
+        v = wide.adopted(problem, end.v, end.load)
+        end = end._replace(v=v, phi=(begun - v) / start)
     return slip._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, DISTURBED, options), options))
 
 

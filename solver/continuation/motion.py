@@ -102,10 +102,10 @@ class Motion:
         push = of_blocks(k, lambda x: step * step / (mass(x) + friction(x)))
         return of_blocks(k, lambda x: mass(x) / step**2), keep, push, step
 
-    def advance(self, active, steps) -> None:
-        """Make `steps` steps with these nodes active, bool; a force evaluation each."""
+    def advance(self, steps) -> None:
+        """Make `steps` steps; a force evaluation each."""
         for _ in range(steps):
-            force = self.dynamics.force(self.y, active, self.load)
+            force = self.dynamics.force(self.y, self.load)
             _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push)
             if self._starts:  # from rest, the first change is half that of a step
                 self.change *= 0.5

@@ -39,7 +39,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     """
 
     def judged(point, mode):
-        return _Side(point, judge.rightmost(corrector.problem, point.v, state.active, mode, corrector.inverse))
+        return _Side(point, judge.rightmost(corrector.problem, point.v, mode, corrector.inverse))
 
     unstable = _Side(after, mode)
     for point in older:
@@ -55,7 +55,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     symmetric = end.mode.kind == "bifurcation" and abs(along) < SYMMETRIC and not corrector.problem.alike(end.point.v)
     # the surface leaves the way that the state moves; where both ways are equal, as the rule of `Linearised.seen` says
     phi = x * np.copysign(1.0 / max(np.abs(x).max(), TINY), 1.0 if symmetric else along)
-    return End(end.point.load, end.point.v, state.active, phi, end.mode.kind, sensitive=symmetric)
+    return End(end.point.load, end.point.v, phi, end.mode.kind, sensitive=symmetric)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):
@@ -67,7 +67,7 @@ def _narrowed(corrector, judged, state, stable, unstable):
             break
         part = min(max(low / (low - high), LEAST), 1.0 - LEAST)
         load, v = mixed((part, 1.0 - part), (unstable.point, stable.point))
-        if corrector.solve(v, state.active, load, state.secants) is None:
+        if corrector.solve(v, load, state.secants) is None:
             break
         side = judged(Point(load, v), unstable.mode)
         grows = side.mode.growth >= 0.0

@@ -66,34 +66,32 @@ class Dynamics(Protocol):
     stiffness: np.ndarray  # (3, modes), GPa/nm, rows xx, zz, c of the blocks [[xx, -i c], [i c, zz]] of K
     critical: float  # the friction gamma, 1/time, that is critical for the slowest mode
 
-    def start(self, v, active, s) -> np.ndarray:
+    def start(self, v, s) -> np.ndarray:
         """y, a new array, of the state v (size of the problem,) at rest under the load s."""
 
     def unknowns(self, y) -> np.ndarray:
         """v (size of the problem,) of y, a new array."""
 
-    def force(self, y, active, s) -> np.ndarray:
+    def force(self, y, s) -> np.ndarray:
         """T + K U in the coordinates y, complex (2, modes), a buffer."""
 
-    def interface(self, v, active) -> float:
+    def interface(self, v) -> float:
         """The largest stiffness of the interaction in v, GPa/nm: a bound on |dT/du| by row sums."""
 
 
 class Problem(Protocol):
-    """An equilibrium of nodes that interact where `active`, bool."""
+    """An equilibrium of nodes that interact with a lattice."""
 
     size: int
     unit: float  # nm, over which the interaction changes
     tolerance: float  # nm, of max |R|
     direction: np.ndarray  # dR/ds (size,), constant; v + k a direction is v moved on by k periods a of the lattice
 
-    def residual(self, v, active, s, out) -> float:
+    def residual(self, v, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude."""
 
-    def active(self, v, s, before=None, settled=None) -> np.ndarray:
-        """The nodes that interact in v. Given the set `before`: this set itself until a node has clearly crossed the
-        edge of the interaction, then a new set, in which nodes of `settled` (bool) do not change. May raise
-        NotConverged."""
+    def hold(self, v, s) -> None:
+        """Raise NotConverged if the state v of a motion under the load s can lead to no equilibrium."""
 
     def undeformed(self, s) -> np.ndarray:
         """The unknowns (size,) of a surface without interaction at load s, nm."""
@@ -101,17 +99,17 @@ class Problem(Protocol):
     def solved_to(self, tolerance: float) -> "Problem":
         """The same problem with another tolerance, nm."""
 
-    def preconditioner(self, v, active) -> Callable | None:
+    def preconditioner(self, v) -> Callable | None:
         """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
 
-    def crowded(self, v, active, s) -> bool:
+    def crowded(self, v, s) -> bool:
         """Whether the state v needs more unknowns."""
 
     def wider(self) -> "Problem":
         """The same problem in more unknowns."""
 
-    def adopted(self, problem, v, active, s) -> tuple:
-        """(v, active) of a state of a `problem` of no more unknowns in those of this one."""
+    def adopted(self, problem, v, s) -> np.ndarray:
+        """A state v of a `problem` of no more unknowns in those of this one."""
 
     @property
     def uniform(self) -> bool:
@@ -123,7 +121,7 @@ class Problem(Protocol):
     def alike(self, v) -> bool:
         """Whether all nodes are alike in v, so that no wave starts to grow without a disturbance."""
 
-    def linearised(self, v, active) -> Linearised:
+    def linearised(self, v) -> Linearised:
         """The problem linearised at an equilibrium; it stays valid after later calls."""
 
     def motion(self) -> Dynamics:

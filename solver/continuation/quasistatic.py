@@ -63,7 +63,7 @@ class QuasiStatic:
                     continue
             else:
                 state = reached
-            if self.problem.crowded(state.v, state.active, state.load):
+            if self.problem.crowded(state.v, state.load):
                 raise Crowded("the state needs a wider patch")
             return Increment(state, tuple(slips))
         raise NotConverged(f"more than {options.slips} slips in one increment, residual {self.corrector.worst:.2g} nm")
@@ -77,7 +77,7 @@ class QuasiStatic:
 
     def _judged(self, state):
         """The State itself, if it is stable under the load that takes over; else the End where it leaves."""
-        mode = self.judge.accept(self.problem, state.v, state.active)
+        mode = self.judge.accept(self.problem, state.v)
         if mode.rests:
             return state._replace(unsure=False, mode=mode)
-        return End(state.load, state.v, state.active, mode.x / np.abs(mode.x).max(), "control", growth=mode.growth)
+        return End(state.load, state.v, mode.x / np.abs(mode.x).max(), "control", growth=mode.growth)

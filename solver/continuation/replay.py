@@ -57,18 +57,16 @@ class Replay:
         if self._corrector.problem is not problem:
             self._corrector = Corrector(problem)
         secants = self._corrector.secants()  # those of a state near a fold may lead to the branch beyond it
-        active = self._corrector.settle(v, passed.active, target, secants)
+        solved = self._corrector.solve(v, target, secants)
         moved = np.abs(v - guess).max()
-        if active is None or not self._same(moved, branch, load):
+        if solved is None or not self._same(moved, branch, load):
             return None
         if moved > 0.0:  # interpolation did not meet the tolerance: the trace takes the solution
-            trace = trace.added(branch, passed._replace(v=v - shift * problem.direction, active=active))
+            trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
         slips = tuple(trace.slips(state.load, target, problem.direction))
         past = [(target, v)] if slips else [(target, v), *state.past[:4]]
         worst = self._corrector.worst
-        return Increment(
-            State(target, v, active, past, secants, state.sharp, state.mode, False, trace, worst), slips, True
-        )
+        return Increment(State(target, v, past, secants, state.sharp, state.mode, False, trace, worst), slips, True)
 
     def _same(self, moved, branch, load):
         """Whether a state solved for, which moved so far (nm) from the interpolated one, is the same.

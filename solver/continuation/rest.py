@@ -82,22 +82,22 @@ class Judge:
     def __init__(self, damping, options: RestOptions = OPTIONS):
         self.damping, self.options = damping, options
 
-    def accept(self, problem, v, active, last=None, smooth=None) -> Mode:
+    def accept(self, problem, v, last=None, smooth=None) -> Mode:
         """The Mode of an equilibrium v (size,): `last`, that of an earlier state, where no search is needed.
 
         smooth: a function close to the inverse of -dR/dv, if there is one.
         """
-        linearised, fits, options = problem.linearised(v, active), _fits(last, v), self.options
+        linearised, fits, options = problem.linearised(v), _fits(last, v), self.options
         near = fits and np.abs(v - last.v).max() < options.far * problem.unit * min(last.margin, 1.0)
         clear = near and last.growth < -options.clear * self._scale(problem)
         if clear and (linearised.size > options.dense_waves or self.damping >= linearised.safe_damping()):
             return last
         return self._searched(problem, linearised, v, last if fits else None, smooth, fine=not fits)
 
-    def rightmost(self, problem, v, active, last=None, smooth=None) -> Mode:
+    def rightmost(self, problem, v, last=None, smooth=None) -> Mode:
         """The same by a search in any case, to `fine`."""
         last = last if _fits(last, v) else None
-        return self._searched(problem, problem.linearised(v, active), v, last, smooth, fine=True)
+        return self._searched(problem, problem.linearised(v), v, last, smooth, fine=True)
 
     def _scale(self, problem):
         """What growths are compared with: twice the decay of the layer's slowest mode, gamma up to critical damping."""

@@ -82,7 +82,7 @@ class TooLong(Restless):
 class Transient:
     """One motion to rest, with the steps and the start of a Trial; raises TooLong if shorter steps may help.
 
-    Attributes: motion, load, v, active: the present state; ahead: the way since the last check; starting: whether it is
+    Attributes: motion, load, v: the present state; ahead: the way since the last check; starting: whether it is
     still near the end of the branch.
     """
 
@@ -94,9 +94,8 @@ class Transient:
         self.load, self.v = end.load, end.v + self.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
-        self.active = problem.active(self.v, self.load)
         self.dynamics = problem.motion()
-        y = self.dynamics.start(self.v, self.active, self.load)
+        y = self.dynamics.start(self.v, self.load)
         self.motion = motion_of(self.dynamics, y, self.load, damping, closed, options.motion)
         self.ahead, self._r = np.zeros(problem.size), np.empty(problem.size)
         self._worst: float | None = None
@@ -118,11 +117,11 @@ class Transient:
         """Some time steps, adapted to the stiffness here and where the state is about to be."""
         dynamics, motion, options = self.dynamics, self.motion, self.options
         # surfaces that are about to clash stiffen
-        stiffness = max(dynamics.interface(self.v, self.active), dynamics.interface(self.v + self.ahead, self.active))
+        stiffness = max(dynamics.interface(self.v), dynamics.interface(self.v + self.ahead))
         if not stiffness < options.diverged * self.closed:
             raise TooLong("the motion diverges")
         motion.soften(stiffness, self._pace() / self.finer)
-        motion.advance(self.active, options.steps)
+        motion.advance(options.steps)
         self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
 
     def _pace(self):
@@ -138,23 +137,21 @@ class Transient:
         return self._crawl
 
     def look(self) -> None:
-        """Update the state, and the nodes within the window."""
+        """Update the state."""
         before, self.v = self.v, self.dynamics.unknowns(self.motion.y)
         if not np.abs(self.v).max() < self.options.diverged * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead, self._worst = self.v - before, None
-        now = self.problem.active(self.v, self.load)
-        if (now != self.active).any():
-            self.active = now
-            if self.problem.crowded(self.v, self.active, self.load):
-                raise Crowded("the motion needs a wider patch")
+        self.problem.hold(self.v, self.load)
+        if self.problem.crowded(self.v, self.load):
+            raise Crowded("the motion needs a wider patch")
         self.starting = self._near_end(self.v)
 
     @property
     def residual(self) -> float:
         """Residual of the present state, nm."""
         if self._worst is None:
-            self._worst = self.problem.residual(self.v, self.active, self.load, self._r)
+            self._worst = self.problem.residual(self.v, self.load, self._r)
         return self._worst
 
     def land(self) -> State | None:
@@ -183,17 +180,17 @@ class Transient:
     def _rest_near(self):
         """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
         corrector = Corrector(self.problem, self.options.corrector)
-        corrector.begin(State.at_rest(self.load, self.v, self.active))
+        corrector.begin(State.at_rest(self.load, self.v))
         secants, v = corrector.secants(), self.v.copy()
-        active = corrector.settle(v, self.active, self.load, secants)
-        if active is None or np.abs(v - self.v).max() > self.options.corrector.longest * self.unit:
+        solved, farthest = corrector.solve(v, self.load, secants), self.options.corrector.longest * self.unit
+        if solved is None or np.abs(v - self.v).max() > farthest:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
-        self.mode = self.judge.rightmost(self.problem, v, active, self.mode, corrector.inverse)
+        self.mode = self.judge.rightmost(self.problem, v, self.mode, corrector.inverse)
         if not self.mode.rests:
             return None
         solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
-        return State.at_rest(self.load, v, active, **solved)
+        return State.at_rest(self.load, v, **solved)
 
     def raise_load(self) -> None:
         """Raise the load where the motion does not rest, or where the branch goes on a little farther."""

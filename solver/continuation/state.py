@@ -39,10 +39,9 @@ class State(NamedTuple):
 
     load: float  # nm
     v: np.ndarray  # (size,) unknowns
-    active: np.ndarray  # nodes within the interaction window; fixed during a solve
     past: list  # [(load, v)] on this branch, newest first, this one included
     secants: Secants | None = None
-    sharp: tuple | None = None  # (v, active) whose inverse tangent solves use, where Anderson steps alone failed
+    sharp: np.ndarray | None = None  # v whose inverse tangent solves use, where Anderson steps alone failed
     mode: "Mode | None" = None  # the one that grows fastest, as judged last
     # True after the load control changed: check stability, and let the state relax, before continuing
     unsure: bool = False
@@ -50,21 +49,19 @@ class State(NamedTuple):
     residual: float = np.inf  # nm
 
     @staticmethod
-    def at_rest(load, v, active, **more) -> "State":
+    def at_rest(load, v, **more) -> "State":
         """The first state of a branch."""
-        return State(load, v, active, [(load, v)], **more)
+        return State(load, v, [(load, v)], **more)
 
     @staticmethod
     def undeformed(problem, load) -> "State":
         """The state in which only the load acts on the unknowns."""
-        v = problem.undeformed(load)
-        return State.at_rest(load, v, problem.active(v, load))
+        return State.at_rest(load, problem.undeformed(load))
 
     def on_wider(self, problem) -> tuple:
         """(the same problem in more unknowns, the State in these); the next increment begins without its past."""
         wide = problem.wider()
-        at = self.load, *wide.adopted(problem, self.v, self.active, self.load)
-        return wide, State.at_rest(*at, unsure=self.unsure)
+        return wide, State.at_rest(self.load, wide.adopted(problem, self.v, self.load), unsure=self.unsure)
 
 
 def slipped(problem, before, load, after) -> bool:
@@ -86,7 +83,6 @@ class End(NamedTuple):
 
     load: float  # nm
     v: np.ndarray  # (size,)
-    active: np.ndarray
     # (size,), largest component 1 or -1: the way the surface leaves, at a fold the null vector of dR/dv; 0 where the
     # branch was lost; None: not known
     phi: np.ndarray | None = None
@@ -103,8 +99,7 @@ class End(NamedTuple):
 
     def adopted(self, wide, problem) -> "End":
         """In the unknowns of a problem `wide`, which has more of them than the `problem` of the end."""
-        v, active = wide.adopted(problem, self.v, self.active, self.load)
-        return self._replace(v=v, active=active, phi=None, psi=None)
+        return self._replace(v=wide.adopted(problem, self.v, self.load), phi=None, psi=None)
 
     @property
     def located(self) -> bool:

@@ -52,7 +52,6 @@ class Passed(NamedTuple):
 
     load: float  # nm
     v: np.ndarray  # (size,)
-    active: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +66,9 @@ class Branch:
     periodic: bool = False
 
     @staticmethod
-    def of(loads: ArrayLike, v: np.ndarray, active: np.ndarray, **more: Any) -> "Branch":
-        """The Branch of states v (n, size) at loads (n,), nm; active (n, nodes)."""
-        return Branch(tuple(map(Passed, np.asarray(loads, float).tolist(), v, active)), **more)
+    def of(loads: ArrayLike, v: np.ndarray, **more: Any) -> "Branch":
+        """The Branch of states v (n, size) at loads (n,), nm."""
+        return Branch(tuple(map(Passed, np.asarray(loads, float).tolist(), v)), **more)
 
     @property
     def start(self) -> float:
@@ -101,16 +100,16 @@ class Branch:
     def ended(self, slip: End) -> "Branch":
         """The same up to its end; no other state has that load."""
         before = tuple(state for state in self.states if state.load < slip.load - NEAR)
-        return Branch((*before, Passed(slip.load, slip.v, slip.active)), slip._replace(after=None))
+        return Branch((*before, Passed(slip.load, slip.v)), slip._replace(after=None))
 
     def moved(self, distance: float, direction: np.ndarray) -> "Branch":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
-        states = tuple(Passed(load + distance, v + distance * direction, active) for load, v, active in self.states)
+        states = tuple(Passed(load + distance, v + distance * direction) for load, v in self.states)
         return replace(self, states=states, slip=self.slip and self.slip.moved(distance, direction))
 
     def adopted(self, wide, problem) -> "Branch":
         """In the unknowns of a problem `wide`, which has more of them than the `problem` of the branch."""
-        states = tuple(Passed(s, *wide.adopted(problem, v, active, s)) for s, v, active in self.states)
+        states = tuple(Passed(s, wide.adopted(problem, v, s)) for s, v in self.states)
         return replace(self, states=states, slip=self.slip and self.slip.adopted(wide, problem))
 
     def position(self, load: ArrayLike) -> NDArray[np.float64]:
@@ -139,8 +138,7 @@ class Branch:
     def at(self, load: float, stencil: int = OPTIONS.stencil) -> Passed:
         """The state at `load`, nm, between the ends of the branch."""
         (index,), (weights,) = self._near(np.array([load]), stencil)
-        before = max(bisect_left(self.states, load, key=lambda passed: passed.load) - 1, 0)
-        return Passed(load, weights @ np.array([self.states[i].v for i in index]), self.states[before].active)
+        return Passed(load, weights @ np.array([self.states[i].v for i in index]))
 
     def weights(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weights (k, n) of the states in those at loads (k,); beyond the ends of the branch, of its ends."""
@@ -214,7 +212,7 @@ class Trace:
                 if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
                     return self
                 if home < first:  # the slip lands in a state from before the run began
-                    branch = branch.added(Passed(home, landed.v - period * problem.direction, landed.active))
+                    branch = branch.added(Passed(home, landed.v - period * problem.direction))
                 return Trace((*self.branches[:k], branch, *self.branches[k + 1 : -1]), period, home)
         return self
 
@@ -243,4 +241,4 @@ class Trace:
 
 
 def _passed(state) -> Passed:
-    return Passed(state.load, state.v, state.active)
+    return Passed(state.load, state.v)

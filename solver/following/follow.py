@@ -125,7 +125,7 @@ def _branches(contact, skeleton):
     problem = Equilibrium(contact, sideways(1.0, -scene.delta))
     if scene.hold == "load":
         held = followed_held(contact, skeleton.held, scene.delta - skeleton.scene.delta)
-        pressure = contact.pressure(problem.traction(held.v, held.active)[1])
+        pressure = contact.pressure(problem.traction(held.v)[1])
         problem = Equilibrium(contact, sideways(1.0, 0.0), pressure)
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
@@ -157,16 +157,16 @@ def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
     """
     problem, what = Equilibrium(contact, sideways(1.0, -contact.scene.delta)), "the state whose load is held"
     solver = Solver(problem, tolerance=FINE)
-    v, active = solver.state(old.v, old.active, 0.0, what, FARTHEST + abs(moved) / problem.unit)
-    kind = "" if _stiffens(problem, v, active) else "control"
+    v = solver.state(old.v, 0.0, what, FARTHEST + abs(moved) / problem.unit)
+    kind = "" if _stiffens(problem, v) else "control"
     if old.kind is not None and bool(kind) != bool(old.kind):
         raise NotFollowed(f"{what} is {'un' if kind else ''}stable under it, unlike before")
-    return Held(v, active, old.kind or kind)
+    return Held(v, old.kind or kind)
 
 
-def _stiffens(problem, v, active):
+def _stiffens(problem, v):
     """Whether the pressure rises with the indentation; else the state is unstable under a held load."""
-    linearised, lower = problem.linearised(v, active), np.repeat([0.0, 1.0], problem.nodes)
+    linearised, lower = problem.linearised(v), np.repeat([0.0, 1.0], problem.nodes)
     lowered = Solves(linearised)(lower, accuracy=ACCURACY)  # by a unit of indentation
     return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0
 
@@ -182,21 +182,20 @@ def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skele
     if scene.hold == "load":
         raise NotFollowed("hold = 'load': there is no contact that carries a load")
     solver = Solver(Equilibrium(contact, sideways(1.0, -scene.delta)))
-    v, active = _apart(solver)
+    v = _apart(solver)
     fold, m = jumps[0], contact.size
     if (v[m:] + scene.delta).min() < (fold.v[m : 2 * m] + fold.load).min():
         raise NotFollowed("the state without contact is not found")
     loads = np.linspace(0.0, scene.spacing, INTERVALS + 1)
     guesses = v + np.outer(loads, solver.problem.direction)
-    guess = Branch.of(loads, guesses, np.tile(active, (loads.size, 1)), periodic=True)
+    guess = Branch.of(loads, guesses, periodic=True)
     branch = refined(scene, skeleton.first, solver, moved_branch(solver, guess, 0.0, scene.spacing, None, 1), 1)
     return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)
 
 
 def _apart(solver):
-    """(v, active) at U_x = 0 that the corrector reaches from the undeformed surface."""
-    v = solver.problem.undeformed(0.0)
-    return solver.state(v, np.zeros(solver.problem.nodes, bool), 0.0, "the state without contact", np.inf)
+    """v at U_x = 0 that the corrector reaches from the undeformed surface."""
+    return solver.state(solver.problem.undeformed(0.0), 0.0, "the state without contact", np.inf)
 
 
 def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
@@ -207,7 +206,7 @@ def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
     solver = Solver(Equilibrium(contact, sideways(1.0, -contact.scene.delta)))
     reached = skeleton.unknowns(0.0)[0, : solver.problem.size] if skeleton.held is None else skeleton.held.v
     try:
-        apart, _ = _apart(solver)
+        apart = _apart(solver)
     except NotFollowed:
         return
     if np.abs(apart - reached).max() > APART * solver.problem.unit:

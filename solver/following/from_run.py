@@ -81,7 +81,7 @@ def _guess(scene, first, trace: Trace, jumps):
     """(the Skeleton of states of the trace, not solved for; the Branches that it describes)."""
     begin, branches = trace.branches[0], list(trace.branches)
     m = begin.states[0].v.size // 2
-    held = Held(begin.states[0].v[: 2 * m], begin.states[0].active) if scene.hold == "load" else None
+    held = Held(begin.states[0].v[: 2 * m]) if scene.hold == "load" else None
     if begin.slip and begin.slip.kind == "control":
         branches = branches[1:]
     home, sites = 0, 0

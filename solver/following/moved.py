@@ -19,8 +19,8 @@ TOLERANCE = 1e-5  # nm, of residuals: the forces of followed runs are right to 1
 FEW = 3  # unknowns of one node that represents all; it cannot represent waves
 SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
 # The load of a fold to the tolerance of states; its state such that F_s is right to 1e-5 (at 3e-3 units a weak one was
-# off by 1.3e-3). Looser solves save 4 % of a move's evaluations. Nodes may cross the window's edge three times.
-FOLDS = FoldOptions(load=TOLERANCE, state=1e-4, accuracy=3e-2, window=3)
+# off by 1.3e-3). Looser solves save 4 % of a move's evaluations.
+FOLDS = FoldOptions(load=TOLERANCE, state=1e-4, accuracy=3e-2)
 NEAR = 3  # changes of states from which that of the next one is extrapolated; 2 and 4 take as many evaluations
 FIRST = 1.5  # units that the first state of a branch without a fold may move: farther off, it is on another branch
 
@@ -54,37 +54,34 @@ class Solver:
         self.moving = int(np.count_nonzero(problem.direction))
         self.secants, self._begun, self.residual = self.corrector.secants(), False, 0.0
 
-    def state(
-        self, guess: np.ndarray, active: np.ndarray, load: float, what: str, surprise: float = SURPRISE
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """(v, active) of the state at fixed load near a guess; raises NotFollowed beyond `surprise` units of it."""
+    def state(self, guess: np.ndarray, load: float, what: str, surprise: float = SURPRISE) -> np.ndarray:
+        """v of the state at fixed load near a guess; raises NotFollowed beyond `surprise` units of it."""
         if not self._begun:
-            self.corrector.begin(State.at_rest(load, guess, active))
+            self.corrector.begin(State.at_rest(load, guess))
             self._begun = True
         v = guess.copy()
-        settled = self.corrector.settle(v, self.problem.active(v, load, active), load, self.secants)
-        if settled is None:
+        if self.corrector.solve(v, load, self.secants) is None:
             raise NotFollowed(f"the corrector fails at {what}", nearer=True)
         if np.abs(v - guess).max() > surprise * self.problem.unit:
             raise NotFollowed(f"{what} lies on another branch", nearer=True)
-        self._check(v, settled, load, self.corrector.worst, what)
-        return v, settled
+        self._check(v, load, self.corrector.worst, what)
+        return v
 
     def fold(self, guess: End, what: str) -> End:
         """The fold next to a guess; raises NotFollowed where there is none."""
         fold = fold_near(self.problem, guess, FOLDS)
         if fold is None:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
-        self._check(fold.v, fold.active, fold.load, fold.residual, what)
+        self._check(fold.v, fold.load, fold.residual, what)
         return fold
 
-    def _check(self, v, active, load, residual, what):
+    def _check(self, v, load, residual, what):
         problem, self.residual = self.problem, max(self.residual, float(residual))
-        if problem.crowded(v, active, load):
+        if problem.crowded(v, load):
             raise TooNarrow(f"{what} needs a wider patch")
         if problem.size <= FEW:
             try:
-                Judge(self.damping).rightmost(problem, v, active)
+                Judge(self.damping).rightmost(problem, v)
             except Crowded:
                 raise NotFollowed(f"a wave grows at {what}") from None
 
@@ -109,10 +106,10 @@ def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: En
         raise NotFollowed(f"branch {number} has no states left", nearer=True)
     loads = start + (end - start) * ((old.loads - old.start) / (old.end - old.start))
     if fold is None:
-        first = Passed(start, *solver.state(old.states[0].v, old.states[0].active, start, what, FIRST))
+        first = Passed(start, solver.state(old.states[0].v, start, what, FIRST))
         states = _solved(solver, old.states, loads.tolist(), first, what)
     else:
-        first = Passed(fold.load, fold.v, fold.active)
+        first = Passed(fold.load, fold.v)
         states = _solved(solver, old.states[::-1], loads.tolist()[::-1], first, what)[::-1]
     return replace(old, states=tuple(states), slip=fold)
 
@@ -127,7 +124,7 @@ def _solved(solver, old, loads, first, what):
         if first.load < loads[-1]:  # to no fold: smooth sliding may jerk, between other states than before
             steps = np.diff([state.v for state in old[i - 1 : i + 2]], axis=0)
             surprise = max(SURPRISE, np.abs(steps).max() / solver.problem.unit)
-        v, active = solver.state(old[i].v + change, old[i].active, loads[i], what, surprise)
-        states.append(Passed(loads[i], v, active))
+        v = solver.state(old[i].v + change, loads[i], what, surprise)
+        states.append(Passed(loads[i], v))
         changes.append(v - old[i].v)
     return states

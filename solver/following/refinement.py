@@ -71,7 +71,7 @@ def divided(solver: Solver, branch: Branch, where: np.ndarray, number: int) -> B
     for guess, load, k in zip(branch.unknowns(loads, solver.moving), loads.tolist(), where, strict=True):
         before, after = branch.states[k : k + 2]
         gap = np.abs(after.v - before.v).max() / solver.problem.unit  # within it, a state may be anywhere
-        states.append(Passed(load, *solver.state(guess, before.active, load, what, max(gap, SURPRISE))))
+        states.append(Passed(load, solver.state(guess, load, what, max(gap, SURPRISE))))
     return replace(branch, states=tuple(sorted((*branch.states, *states), key=lambda state: state.load)))
 
 

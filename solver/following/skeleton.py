@@ -28,7 +28,6 @@ class Held:
     """
 
     v: NDArray[np.float64] = field(repr=False)  # (2 m,) at given indentation
-    active: NDArray[np.bool_] = field(repr=False)
     kind: str | None = None
 
 
@@ -116,9 +115,9 @@ class Skeleton:
         scene, problem, frames = self.scene, self.problem(), []
         r = np.empty(problem.size)
         for load, v in zip(np.atleast_1d(U_x).tolist(), self.unknowns(U_x), strict=True):
-            active, index = problem.active(v, load), round(load / (scene.du_x * scene.delta_t))
-            residual = problem.residual(v, active, load, r) if residuals else np.nan
-            frames.append(frame_of(scene, problem, State.at_rest(load, v, active), "shear", index, residual))
+            index = round(load / (scene.du_x * scene.delta_t))
+            residual = problem.residual(v, load, r) if residuals else np.nan
+            frames.append(frame_of(scene, problem, State.at_rest(load, v), "shear", index, residual))
         return frames
 
     def problem(self) -> Equilibrium:
@@ -154,7 +153,7 @@ class Skeleton:
         approach = Equilibrium(contact, vertical(1.0))
         if held is not None:
             given = Equilibrium(contact, sideways(1.0, -scene.delta))
-            held = Held(*given.wider().adopted(given, held.v, held.active, 0.0), held.kind)
+            held = Held(given.wider().adopted(given, held.v, 0.0), held.kind)
         branches = tuple(branch.adopted(shear.wider(), shear) for branch in self.branches)
         jumps = tuple(jump.adopted(approach.wider(), approach) for jump in self.jumps)
         apart = self.contact and self.contact.widened()
@@ -174,7 +173,5 @@ def tractions(scene: Scene, first: int, v: NDArray[np.float64]) -> NDArray[np.fl
     for k in range(0, len(v), few):
         part = v[k : k + few]
         gap = profile + part[:, m : 2 * m]
-        T_part = traction(scene, part[:, :m], gap)
-        T_part[:, gap > scene.window_n * scene.delta_n] = 0.0
-        T[k : k + few] = T_part.swapaxes(0, 1)
+        T[k : k + few] = traction(scene, part[:, :m], gap).swapaxes(0, 1)
     return T

@@ -17,6 +17,9 @@ import numpy as np
 from numba import njit
 
 DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count as this deep; exp(50) is finite
+# dn/delta_n: nodes farther away count as this far. They pull with 1e-24 of the strength, and no product of two such
+# numbers leaves the range of double precision, where arithmetic is slow
+REMOTEST = 60.0
 OPENING = {"np1": 0.0, "xu-needleman": 1.0}  # c in the factor 1 + c dn of T_x
 FARTHEST = 700.0  # argument of exp, beyond which a number of double precision is out of range soon
 LOG2_E, SHIFT = 1.4426950408889634, 6755399441055744.0  # 1/ln 2, and 1.5 2^52, as of `exponential`
@@ -74,7 +77,7 @@ def window_sums(u_x, u_z, profile, law, work) -> None:
     for i in range(m):
         x = u_x[i] / delta_t
         r[i] = x - a * np.floor(x / a + 0.5)
-        dn[i] = max((profile[i] + u_z[i]) / delta_n, DEEPEST)
+        dn[i] = min(max((profile[i] + u_z[i]) / delta_n, DEEPEST), REMOTEST)
         e[i] = -dn[i]
         s0[i] = -r[i] * r[i]
         up[i] = 2.0 * a * r[i]
@@ -102,44 +105,43 @@ def window_sums(u_x, u_z, profile, law, work) -> None:
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
-def _tractions(work, active, law, T_x, T_z):
+def _tractions(work, law, T_x, T_z):
     normal, shear, c = law[0], law[1], law[6]
     e, s0, s1, dn = work[0], work[1], work[3], work[5]
-    for i in range(active.size):
-        force = e[i] if active[i] else 0.0
-        T_x[i] = shear * s1[i] * (1.0 + c * dn[i]) * force
-        T_z[i] = -normal * dn[i] * s0[i] * force
+    for i in range(T_x.size):
+        T_x[i] = shear * s1[i] * (1.0 + c * dn[i]) * e[i]
+        T_z[i] = -normal * dn[i] * s0[i] * e[i]
 
 
-def tractions(u, profile, active, law, work, out) -> None:
+def tractions(u, profile, law, work, out) -> None:
     """Fill out (2, m), rows T_x and T_z, with the tractions of nodes displaced by u (2, m) nm, GPa.
 
-    profile: undeformed gap, (m,) nm; active: bool (m,), the other nodes get zero; law: `law_constants`; work: scratch,
-    (WORK, m). Kernels get rows: slices of wider buffers then have the type of whole arrays, and compile once.
+    profile: undeformed gap, (m,) nm; law: `law_constants`; work: scratch, (WORK, m). Kernels get rows: slices of wider
+    buffers then have the type of whole arrays, and compile once.
     """
     window_sums(u[0], u[1], profile, law, work)
-    _tractions(work, active, law, out[0], out[1])
+    _tractions(work, law, out[0], out[1])
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
-def _tangents(work, active, law, out):
+def _tangents(work, law, out):
     normal, shear, delta_n, delta_t, c = law[0], law[1], law[2], law[3], law[6]
     e, s0, s1, s2, dn = work[0], work[1], work[3], work[4], work[5]
-    for i in range(active.size):
-        force = e[i] if active[i] else 0.0
+    for i in range(out.shape[1]):
+        force = e[i]
         out[0, i] = -shear * (s0[i] - 2.0 * s2[i]) * (1.0 + c * dn[i]) * force / delta_t
         out[1, i] = -shear * s1[i] * (1.0 - c + c * dn[i]) * force / delta_n
         out[2, i] = -normal * dn[i] * 2.0 * s1[i] * force / delta_t
         out[3, i] = -normal * (1.0 - dn[i]) * s0[i] * force / delta_n
 
 
-def tangents(u, profile, active, law, work, out) -> None:
+def tangents(u, profile, law, work, out) -> None:
     """Fill out (4, m), rows dT_x/du_x, dT_x/du_z, dT_z/du_x, dT_z/du_z, with tangents, GPa/nm; else as `tractions`.
 
     They are not symmetric, as NP1 has no potential; those of Xu-Needleman with phi_t = phi_n are.
     """
     window_sums(u[0], u[1], profile, law, work)
-    _tangents(work, active, law, out)
+    _tangents(work, law, out)
 
 
 @njit(cache=True, nogil=True)
@@ -171,9 +173,8 @@ def tangent(scene, ux, gap) -> np.ndarray:
 
 
 def _free(kernel, rows, scene, ux, gap):
-    """The rows of a kernel for nodes without a surface, all of them active."""
+    """The rows of a kernel for nodes without a surface."""
     u = np.array(np.broadcast_arrays(ux, gap), float)
     m, out = u[0].size, np.empty((rows, *u[0].shape))
-    profile, active, work = np.zeros(m), np.ones(m, bool), np.empty((WORK, m))
-    kernel(u.reshape(2, m), profile, active, law_constants(scene), work, out.reshape(rows, m))
+    kernel(u.reshape(2, m), np.zeros(m), law_constants(scene), np.empty((WORK, m)), out.reshape(rows, m))
     return out

@@ -7,7 +7,7 @@ import numpy as np
 from . import cohesive_law
 from .layer import Convolution, Modes
 
-MARGIN = 1e-3  # delta_n beyond the window's edge where a node changes sides: far above what solves leave, 1e-8 nm
+REACH = 25.0  # delta_n: farther apart, a spring pulls with less than 25 exp(-25) = 3.5e-10 of phi_n/delta_n
 # Nodes that a patch gains at each end, at least, and part of its size. As each growth repeats an increment, patches
 # grow by half or more: four times make one five times as large.
 LEAST_GROWTH, GROWTH = 16, 0.25
@@ -18,7 +18,7 @@ class Contact:
 
     Nodes outside carry no traction; the tractions of the patch displace them. A flat's patch of one node is
     `uniform`: this node represents all, and the cell has `count` = 1 node, else as many as the scene. `observe()` is
-    called at every evaluation, in a motion with (surface, y, active, load); it may raise to end the increment. Owns its
+    called at every evaluation, in a motion with (surface, y, load); it may raise to end the increment. Owns its
     buffers: two threads need two objects.
 
     Attributes: part, the slice of the patch in the cell; modes of the layer; cell: those that `count` nodes can show.
@@ -28,7 +28,7 @@ class Contact:
         self.scene, self.first, self.size, self.nodes = scene, first, size, scene.nodes
         self.part = slice(first, first + size)
         self.profile = np.ascontiguousarray(scene.profile[self.part])
-        self.window = scene.window_n * scene.delta_n
+        self.reach = REACH * scene.delta_n
         self.law, self._work = cohesive_law.law_constants(scene), np.empty((cohesive_law.WORK, size))
         self.uniform = size == 1 and scene.surface == "flat"
         self.count = 1 if self.uniform else scene.nodes
@@ -43,10 +43,10 @@ class Contact:
         if self.observe:
             self.observe(*moving)
 
-    def response(self, u, active) -> np.ndarray:
+    def response(self, u) -> np.ndarray:
         """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.evaluated()
-        self.traction(u, active, self._layer.field)
+        self.traction(u, self._layer.field)
         self._layer.apply()
         return self._layer.product
 
@@ -55,16 +55,16 @@ class Contact:
         """T (2, size) of the last `response`, GPa; its buffer."""
         return self._layer.field
 
-    def traction(self, u, active, out=None) -> np.ndarray:
+    def traction(self, u, out=None) -> np.ndarray:
         """T(u), (2, size) GPa: `out`, or a new array."""
         out = np.empty((2, self.size)) if out is None else out
-        cohesive_law.tractions(u, self.profile, active, self.law, self._work, out)
+        cohesive_law.tractions(u, self.profile, self.law, self._work, out)
         return out
 
-    def tangents(self, u, active) -> np.ndarray:
+    def tangents(self, u) -> np.ndarray:
         """dT/du of every node, rows as in `cohesive_law.tangents`, (4, size) GPa/nm; a new array."""
         tangents = np.empty((4, self.size))
-        cohesive_law.tangents(u, self.profile, active, self.law, self._work, tangents)
+        cohesive_law.tangents(u, self.profile, self.law, self._work, tangents)
         return tangents
 
     def pressure(self, T_z) -> float:
@@ -78,24 +78,13 @@ class Contact:
         self._layer.apply()
         return self._layer.product
 
-    def within_window(self, u) -> np.ndarray:
-        """Nodes whose gap lies within the interaction window, bool (size,)."""
-        return self.profile + u[1] <= self.window
+    def distance(self, u) -> float:
+        """The smallest gap, nm."""
+        return float((self.profile + u[1]).min())
 
-    def admitted(self, u, active, settled=None) -> np.ndarray:
-        """`active` itself, or a new set if a node has crossed the window's edge by more than MARGIN.
-
-        settled (bool (size,), optional): nodes that keep their side.
-        """
-        beyond = self.profile + u[1] - self.window
-        changed = np.where(active, beyond, -beyond) > MARGIN * self.scene.delta_n
-        if settled is not None:
-            changed &= ~settled
-        return active ^ changed if changed.any() else active
-
-    def crowded(self, active) -> bool:
-        """Whether an active node stands at an end of the patch, so that its neighbours outside may interact as well."""
-        return not self.covers_cell and bool(active[0] or active[-1])
+    def crowded(self, u) -> bool:
+        """Whether an end of the patch lies within REACH, so that its neighbours outside may interact as well."""
+        return not self.covers_cell and bool((self.profile + u[1])[[0, -1]].min() <= self.reach)
 
     @cached_property
     def summits_outside(self) -> bool:
@@ -105,10 +94,10 @@ class Contact:
         return not self.covers_cell and bool((slopes[: self.first] > 0.0).any() or (slopes[last:] < 0.0).any())
 
     def overlooked(self, u_z) -> bool:
-        """Whether a node outside the patch has come within the window; u_z: displacement of all nodes, (nodes,) nm."""
+        """Whether a node outside the patch has come within REACH; u_z: displacement of all nodes, (nodes,) nm."""
         gap = self.scene.profile + u_z
         gap[self.part] = np.inf
-        return bool(gap.min() <= self.window)
+        return bool(gap.min() <= self.reach)
 
     def wider(self) -> "Contact":
         """The Contact of a patch wider by half or more; of the whole cell if that reaches its ends, or if `uniform`."""
@@ -121,12 +110,12 @@ class Contact:
 
 
 def patch(scene, bulge) -> tuple[int, int]:
-    """(first, size) of a run's first patch: from the first to the last node that may come within the window.
+    """(first, size) of a run's first patch: from the first to the last node that may come within REACH.
 
-    These have a gap up to `bulge` delta_n beyond the window at the full indentation; if none has, the lowest node.
+    These have a gap up to `bulge` delta_n beyond it at the full indentation; if none has, the lowest node.
     """
     profile = scene.profile
-    near = np.flatnonzero(profile - scene.delta <= (scene.window_n + bulge) * scene.delta_n)
+    near = np.flatnonzero(profile - scene.delta <= (REACH + bulge) * scene.delta_n)
     if near.size == 0:
         return int(profile.argmin()), 1
     return int(near[0]), int(near[-1] - near[0] + 1)

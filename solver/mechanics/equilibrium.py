@@ -20,7 +20,7 @@ from .surface import Surface
 # Share of the drive in the compliance to a uniform traction from which single precision is too coarse for an inverse
 SOFT = 0.999
 ALIKE = 1e-5  # units between nodes that count as alike: what the solves of followed states leave
-# Active nodes up to which an inverse is formed, as it takes the cube of their number: with 1200, the run of
+# Nodes up to which an inverse is formed, as it takes the cube of their number: with 1200, the run of
 # `python -m solver run --preset wave --set E=20` took fourteen times as long
 FORMED = 512
 BLOCK = 64  # columns that LAPACK inverts at a time; with 3, scipy's default, it takes twice as long
@@ -78,94 +78,75 @@ class Equilibrium:
         U_x, U_z = self.loading.at(s)
         return self._unknowns(U_x, U_z, U_z)
 
-    def residual(self, v, active, s, out) -> float:
+    def residual(self, v, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
-        displaced_x, displaced_z = self.contact.response(self.surface(v), active)
+        displaced_x, displaced_z = self.contact.response(self.surface(v))
         worst = _residual(v, displaced_x, displaced_z, *self.top(v, s), out)
         if not self.held:
             return worst
         out[-1] = self.scale * (self.contact.pressure(self.contact.last_traction[1]) - self.pressure)
         return max(worst, abs(out[-1]))
 
-    def traction(self, v, active) -> np.ndarray:
+    def traction(self, v) -> np.ndarray:
         """T (2, m), GPa; a new array."""
-        return self.contact.traction(self.surface(v), active)
+        return self.contact.traction(self.surface(v))
 
-    def everywhere(self, v, active, s) -> np.ndarray:
+    def everywhere(self, v, s) -> np.ndarray:
         """Displacement of all nodes of the cell, (2, contact.count) nm; a new array.
 
         The tractions of the patch displace the nodes outside. Those of the patch stay where v has them: where v is not
         quite an equilibrium, a tenth of the difference may decide which equilibrium a transient reaches.
         """
         surface, part, T = self.motion(), self.contact.part, np.zeros((2, self.contact.count))
-        T[:, part] = self.traction(v, active)
+        T[:, part] = self.traction(v)
         out = surface.through(T, surface.operators[1]) + np.array(self.top(v, s))[:, None]
         # where v is no equilibrium, the force on a soft drive says little of where the top is; the patch does
         out += self.contact.modes.drawn[:, None] * (self.surface(v) - out[:, part]).mean(axis=1, keepdims=True)
         out[:, part] = self.surface(v)
         return out
 
-    def active(self, v, s, before=None, settled=None) -> np.ndarray:
-        """Nodes within the interaction window, bool (m,); given those `before`, as `Contact.admitted`.
-
-        Raises PulledOff if the held load is tensile and no node interacts.
-        """
-        u, contact = self.surface(v), self.contact
-        active = contact.within_window(u) if before is None else contact.admitted(u, before, settled)
-        if self.held and self.pressure < 0.0 and not active.any():
+    def hold(self, v, s) -> None:
+        """Raise PulledOff if a held load is tensile and no node is as near as where the approach begins."""
+        if self.held and self.pressure < 0.0 and self.contact.distance(self.surface(v)) > self.contact.scene.delta_0:
             raise PulledOff(
                 f"The contact has pulled off at U_x = {round(self.loading.at(s)[0], 6) + 0.0:g} nm: the motion that"
-                f" began there under the held load L_bar = {self.pressure / contact.scene.E:.4g} led away from the"
+                f" began there under the held load L_bar = {self.pressure / self.contact.scene.E:.4g} led away from the"
                 " surface; hold delta instead, or press harder"
             )
-        return active
 
-    def preconditioner(self, v, active) -> Callable | None:
+    def preconditioner(self, v) -> Callable | None:
         """-(dR/dv)^-1, a function, (size,) nm each, right to some digits; None where it takes too long or is singular.
 
-        The active nodes are solved for in single precision, the others follow from them. The inverse is formed, not
-        factors: products with it take half the time of solves by factors, and there are hundreds.
+        It is solved for in single precision. The inverse is formed, not factors: products with it take half the time of
+        solves by factors, and there are hundreds.
         """
-        if np.count_nonzero(active) > FORMED:
-            return None
-        linearised = self.linearised(v, active)
-        tangent, inner = linearised.matrix(np.flatnonzero(active)), np.ones(self.size, bool)
+        tangent = self.linearised(v).matrix() if self.nodes <= FORMED else None
         if tangent is None:
             return None
-        inner[: 2 * self.nodes] = np.tile(active, 2)
         soft = max(self.contact.modes.drawn) > SOFT
         number, factorise, invert = (np.float64, dgetrf, dgetri) if soft else (np.float32, sgetrf, sgetri)
         columns = np.asarray(-tangent.T, number, order="F")  # LAPACK reads columns
         factors, pivots, singular = factorise(columns, overwrite_a=True)
         if singular:
             return None
-        inverse = invert(factors, pivots, lwork=BLOCK * len(tangent), overwrite_lu=True)[0].T
+        inverse = invert(factors, pivots, lwork=BLOCK * self.size, overwrite_lu=True)[0].T
+        return lambda r: (inverse @ r.astype(number)).astype(float)
 
-        def solved(r):
-            w = np.zeros(r.size)
-            w[inner] = inverse @ r[inner].astype(number)
-            return np.where(inner, w, r + linearised.tangent(w))
-
-        return solved
-
-    def crowded(self, v, active, s) -> bool:
+    def crowded(self, v, s) -> bool:
         """Whether a node outside the patch may interact."""
         contact = self.contact
-        if contact.crowded(active):
+        if contact.crowded(self.surface(v)):
             return True
-        return contact.summits_outside and contact.overlooked(self.everywhere(v, active, s)[1])
+        return contact.summits_outside and contact.overlooked(self.everywhere(v, s)[1])
 
     def wider(self) -> "Equilibrium":
         """The same problem on a wider patch."""
         return Equilibrium(self.contact.wider(), self.loading, self.pressure)
 
-    def adopted(self, problem, v, active, s) -> tuple[np.ndarray, np.ndarray]:
-        """(v, active) on this patch of a state of the same `problem` on a patch within it."""
-        u, among = problem.everywhere(v, active, s), np.zeros(problem.contact.count, bool)
-        among[problem.contact.part] = active
-        u, among = np.broadcast_to(u, (2, self.contact.nodes)), np.broadcast_to(among, self.contact.nodes)
-        part = self.contact.part
-        return np.append(u[:, part], v[2 * problem.nodes :]), among[part].copy()
+    def adopted(self, problem, v, s) -> np.ndarray:
+        """v on this patch of a state of the same `problem` on a patch within it."""
+        u = np.broadcast_to(problem.everywhere(v, s), (2, self.contact.nodes))
+        return np.append(u[:, self.contact.part], v[2 * problem.nodes :])
 
     def sites(self, v, w) -> float:
         """By how many sites of the lattice the node that moves farthest along it lies elsewhere in w than in v."""
@@ -176,9 +157,9 @@ class Equilibrium:
         flat = self.contact.scene.surface == "flat"
         return flat and bool(np.ptp(self.surface(v), axis=1).max() <= ALIKE * self.unit)
 
-    def linearised(self, v, active) -> Linearised:
+    def linearised(self, v) -> Linearised:
         """The Linearised at an equilibrium."""
-        return Linearised(self.motion(), v, active)
+        return Linearised(self.motion(), v)
 
     def motion(self) -> Surface:
         """The Surface, whose rests are the equilibria of this problem."""

@@ -22,14 +22,14 @@ FEWEST = 6
 MARGIN = 1.1  # factor of the result: of 6237 dense spectra one exceeds the estimate by 8 %
 
 
-def safe_damping(scene, u, active, first=0) -> float:
+def safe_damping(scene, u, first=0) -> float:
     """The damping, over critical, above which no wave of the contact grows as an oscillation.
 
     It is 0 where all nodes are alike: there every mode is a wave, and the stability analysis knows them all.
-    u (2, m) nm; active, bool (m,), the nodes within the window; first: index of the first of these m nodes in the cell.
+    u (2, m) nm; first: index of the first of these m nodes in the cell.
     """
     m = u.shape[1]
-    tangents = cohesive_law.tangent(scene, u[0], scene.profile[first : first + m] + u[1]) * active
+    tangents = cohesive_law.tangent(scene, u[0], scene.profile[first : first + m] + u[1])
     if m == scene.nodes and cohesive_law.alike(tangents):
         return 0.0
     modes = Modes.of(scene)

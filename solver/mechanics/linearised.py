@@ -24,10 +24,10 @@ class Linearised:
     Attributes: u (2, m) nm; J on the patch, (4, m) GPa/nm, rows as of `cohesive_law.tangents`; size, of a disturbance.
     """
 
-    def __init__(self, surface, v, active):
+    def __init__(self, surface, v):
         self.surface, self.contact, self.m = surface, surface.contact, surface.contact.size
-        self.u, self.active = surface.problem.surface(v), active
-        self.J = self.contact.tangents(self.u, active)
+        self.u = surface.problem.surface(v)
+        self.J = self.contact.tangents(self.u)
         self.problem, self.size = surface.problem, 2 * surface.count
         self.scale = self.problem.scale / surface.count  # of the sum of T_z, to the residual of the top
 
@@ -84,21 +84,20 @@ class Linearised:
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
         way = right[: 2 * self.m].reshape(2, -1)
         h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), TINY)
-        change = self.contact.tangents(self.u + h * way, self.active)
-        change -= self.contact.tangents(self.u - h * way, self.active)
+        change = self.contact.tangents(self.u + h * way)
+        change -= self.contact.tangents(self.u - h * way)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
-    def matrix(self, nodes=None) -> np.ndarray | None:
-        """dR/dv, dense, of all nodes or of `nodes` (k,), and of the top; None of no node, or of more than MOST."""
-        nodes = np.arange(self.m) if nodes is None else nodes
-        if not 0 < nodes.size <= MOST:
+    def matrix(self) -> np.ndarray | None:
+        """dR/dv, dense; None of more than MOST nodes."""
+        if self.m > MOST:
             return None
-        out, cell = np.empty((2 * nodes.size,) * 2), self.contact.cell
+        out, cell = np.empty((2 * self.m,) * 2), self.contact.cell
         kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
-        _fill(kernels, nodes, self.J, out)
+        _fill(kernels, self.J, out)
         if not self.problem.held:
             return -out
-        column, rise = np.repeat([0.0, 1.0], nodes.size), self.scale * self.J[2:, nodes].ravel()
+        column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
         return np.block([[-out, column[:, None]], [rise, 0.0]])
 
     def product(self, x, layered=None) -> np.ndarray:
@@ -180,16 +179,16 @@ class Linearised:
 
 
 @njit(cache=True, nogil=True)
-def _fill(kernels, nodes, tangents, out) -> None:
-    """out (2 k, 2 k) = I - C J of k nodes; tangents: J, (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
-    k, n = nodes.size, kernels.shape[1]
-    for i in range(k):
-        for j in range(k):
-            d, a = (nodes[i] - nodes[j]) % n, nodes[j]
+def _fill(kernels, J, out) -> None:
+    """out (2 m, 2 m) = I - C J; J: (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
+    m, n = J.shape[1], kernels.shape[1]
+    for i in range(m):
+        for j in range(m):
+            d = (i - j) % n
             xx, zz, xz = kernels[0, d], kernels[1, d], kernels[2, d]
-            out[i, j] = -(xx * tangents[0, a] + xz * tangents[2, a])
-            out[i, k + j] = -(xx * tangents[1, a] + xz * tangents[3, a])
-            out[k + i, j] = xz * tangents[0, a] - zz * tangents[2, a]
-            out[k + i, k + j] = xz * tangents[1, a] - zz * tangents[3, a]
+            out[i, j] = -(xx * J[0, j] + xz * J[2, j])
+            out[i, m + j] = -(xx * J[1, j] + xz * J[3, j])
+            out[m + i, j] = xz * J[0, j] - zz * J[2, j]
+            out[m + i, m + j] = xz * J[1, j] - zz * J[3, j]
         out[i, i] += 1.0
-        out[k + i, k + i] += 1.0
+        out[m + i, m + i] += 1.0

@@ -30,9 +30,9 @@ class Surface:
             self.stiffness[1, 0] = 0.0
         self._fft = Transform(self.count)
 
-    def start(self, v, active, s) -> np.ndarray:
+    def start(self, v, s) -> np.ndarray:
         """y, complex (2, modes), of the surface at rest in v under the load s."""
-        self._fft.field[:] = self.problem.everywhere(v, active, s)
+        self._fft.field[:] = self.problem.everywhere(v, s)
         self._fft.forward()
         self._fft.field[:] = 0.0
         return self._fft.spectrum.copy()
@@ -51,10 +51,10 @@ class Surface:
             return u.copy()
         return np.append(u, float(y[1, 0].real) / self.count - float(self.compliance[1, 0]) * self.problem.pressure)
 
-    def force(self, y, active, s) -> np.ndarray:
+    def force(self, y, s) -> np.ndarray:
         """T + K U less a held load, in the coordinates y, complex (2, modes), a buffer; one force evaluation."""
-        self.contact.evaluated(self, y, active, s)
-        self.contact.traction(self._displacement(y), active, self._fft.field[:, self.patch])
+        self.contact.evaluated(self, y, s)
+        self.contact.traction(self._displacement(y), self._fft.field[:, self.patch])
         self._fft.forward()
         U_x, U_z = self.problem.loading.at(s)
         self._fft.spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
@@ -87,9 +87,9 @@ class Surface:
         self._fft.field[:] = 0.0  # `force` fills the patch alone
         return self._fft.product
 
-    def interface(self, v, active) -> float:
+    def interface(self, v) -> float:
         """The largest stiffness of the interface in v, GPa/nm: a bound on dT/du by row sums."""
-        t = np.abs(self.contact.tangents(self.problem.surface(v), active))
+        t = np.abs(self.contact.tangents(self.problem.surface(v)))
         return float(max((t[0] + t[1]).max(), (t[2] + t[3]).max()))
 
 

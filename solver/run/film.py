@@ -23,19 +23,19 @@ def through(scene: Scene, checkpoint: Checkpoint, most: int = 60, limit: float =
     run, camera, moving = Run(scene, leave_out=ALL - {"translation"}), Camera(deadline(limit)), []
     end, _ = run.next_frame(checkpoint, camera)
     states = [state for slip in run.done.slips for state in camera.film(run.stepper.problem, slip)]
-    for problem, v, active, load in _evenly(states, most):
-        residual = problem.residual(v, active, load, np.empty(v.size))
-        moving.append(frame_of(scene, problem, State.at_rest(load, v, active), end.stage, end.index, residual))
+    for problem, v, load in _evenly(states, most):
+        residual = problem.residual(v, load, np.empty(v.size))
+        moving.append(frame_of(scene, problem, State.at_rest(load, v), end.stage, end.index, residual))
     return moving, end
 
 
 class Camera:
-    """Observes evaluations: keeps states (problem, v, active, load) of every motion, and calls `late`, unless None."""
+    """Observes evaluations: keeps states (problem, v, load) of every motion, and calls `late`, unless None."""
 
     def __init__(self, late):
         self.reels, self._late, self._y = [], late, None
 
-    def __call__(self, surface=None, y=None, active=None, load=None):
+    def __call__(self, surface=None, y=None, load=None):
         if self._late:
             self._late()
         if surface is None:
@@ -45,18 +45,18 @@ class Camera:
             self._y = y
         v, reel = surface.unknowns(y), self.reels[-1]
         if not reel or np.abs(v - reel[-1][1]).max() > APART * surface.problem.unit:
-            reel.append((surface.problem, v, active, load))
+            reel.append((surface.problem, v, load))
 
     def film(self, problem, slip) -> list[tuple]:
         """The states of a motion that led from the End of a branch to its rest, with both."""
-        load, v, active = slip.after[:3]
+        load, v = slip.after[:2]
         reels = [reel for reel in self.reels if reel[0][1].size == v.size]
         reel: list[tuple] = min(reels, key=lambda reel: np.abs(reel[-1][1] - v).max(), default=[])
-        return [(problem, slip.v, slip.active, slip.load), *reel, (problem, v, active, load)]
+        return [(problem, slip.v, slip.load), *reel, (problem, v, load)]
 
 
 def _evenly(states, most):
-    """At most so many of the states (problem, v, active, load), at even distances of the node that moves most."""
+    """At most so many of the states (problem, v, load), at even distances of the node that moves most."""
     if len(states) <= most:
         return states
     distance = [0.0]

@@ -99,7 +99,7 @@ class Frame:
         """The damping over critical above which no wave of the contact can flutter; 0.0 where all modes were judged."""
         if 2 * self.scene.nodes <= REST.dense_waves:
             return 0.0
-        return safe_damping(self.scene, self.u, (self.T != 0.0).any(axis=0), self.first)
+        return safe_damping(self.scene, self.u, self.first)
 
     @property
     def may_flutter(self) -> bool:
@@ -226,7 +226,7 @@ def _repelled(T_z, closed, least):
 def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips=(), repeated=False) -> Frame:
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
-    T = problem.traction(state.v, state.active)
+    T = problem.traction(state.v)
     u, given = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T)
     position = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
     return Frame(*position, u, given, *forces_and_area(scene, T), residual, evaluations, slips, repeated)

@@ -25,8 +25,7 @@ METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
 # sliding repeats itself after a lattice period, so known states are moved on and verified.
 ALL = frozenset({"uniform", "window", "translation"})
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
-# delta_n beyond the window up to which nodes belong to the first patch, as adhesion draws them nearer. At 0, patches of
-# the slider box have to grow, which takes 2 % more evaluations; 1.5 and 6 take as many (tests/bench/constants.py)
+# delta_n beyond the reach of springs up to which nodes belong to the first patch, as adhesion draws them nearer
 BULGE = 3.0
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
@@ -201,7 +200,7 @@ class Run:
             return progress | {"increment": index, "done": True}
         pressure = checkpoint.pressure
         if not step.held:
-            pressure = problem.contact.pressure(problem.traction(state.v, state.active)[1])
+            pressure = problem.contact.pressure(problem.traction(state.v)[1])
         state = _turned(problem, state, step.held, following[0])
         return progress | {"stage": following[0].stage, "increment": 0, "state": state, "pressure": pressure}
 
@@ -214,7 +213,7 @@ class Run:
 
     def _event(self, step, slip):
         """The SlipEvent of a slip, an End."""
-        scene, T = self.scene, self.stepper.problem.traction(slip.v, slip.active)
+        scene, T = self.scene, self.stepper.problem.traction(slip.v)
         load = float(step.loading.coordinate(slip.load))
         return SlipEvent(load, *forces_and_area(scene, T), step.stage, slip.kind, slip.located, slip.sensitive)
 
@@ -241,6 +240,6 @@ def _turned(problem, state, was_held, following):
     """The State at the end of a step as the first of the following LoadStep: another load, no past along it."""
     v, load = state.v, following.at(0)
     if was_held == following.held:
-        return State(load, v, state.active, [(load, v)], state.secants, mode=state.mode)
+        return State(load, v, [(load, v)], state.secants, mode=state.mode)
     v = np.append(problem.surface(v).ravel(), problem.top(v, state.load)[1] if following.held else ())
-    return State(load, v, state.active, [(load, v)], unsure=following.held)
+    return State(load, v, [(load, v)], unsure=following.held)

@@ -89,6 +89,11 @@ def test_an_address_holds_a_preset_and_its_changes():
     assert again.keys() == {"preset", "E", "width", "nodes"} and scene_from_address(again)[:2] == (scene, preset)
 
 
+def test_a_retired_parameter_in_the_address_is_reported_and_left_out():
+    scene, _, (note,) = scene_from_address({"window_n": [b"12"], "E": [b"90"]})
+    assert scene.E == 90.0 and note.startswith("“window_n” in the address: it has no effect since version 0.2")
+
+
 def test_an_unknown_preset_in_the_address_is_reported_and_replaced_by_the_default():
     scene, preset, notes = scene_from_address({"preset": [b"fig99"]})
     assert scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "Menu, Preset" in notes[0]

@@ -28,8 +28,7 @@ KINDS = (
     {"surface": "rough", "cut_off": 0.2, "rms_slope": 0.003, "roll_off": 0.45},
     {"hold": "load"},
 )
-# Of a parameter. Which step is best depends on how close the next fold lies; a node that crosses the edge of the window
-# on the way makes a jump, no derivative.
+# Of a parameter. Which step is best depends on how close the next fold lies.
 STEPS = (1e-3, 1e-4, 1e-5)
 WANTED = 1e-5
 EXACT = 1e-3  # step of a parameter between exact runs
@@ -101,7 +100,7 @@ def row_of(scene, following):
         return {"class": "no slip" if not failure else "run ends early", "why": failure}
     try:
         skeleton = skeleton_of(scene)
-        skeleton = follow(skeleton, scene)  # its active nodes are then those of the runs beside it
+        skeleton = follow(skeleton, scene)
         costs = []
         for branches in (False, True):
             start = time.process_time()

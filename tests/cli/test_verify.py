@@ -28,6 +28,14 @@ def test_verify_finds_a_repeated_run_equal(files, capsys, kind):
     assert "same: " in out and "version" in out and "residual" in out
 
 
+def test_verify_leaves_out_a_retired_parameter_and_names_it(files, tmp_path, capsys):
+    report = json.loads(files["json"].read_text())
+    report["scene"]["window_n"] = 10.0
+    (tmp_path / "old.json").write_text(json.dumps(report))
+    assert cli.main(["verify", str(tmp_path / "old.json")]) == 0
+    assert "window_n = 10.0: it has no effect since version 0.2" in capsys.readouterr().out
+
+
 def test_verify_names_a_changed_number_and_its_size(files, tmp_path, capsys):
     report = json.loads(files["json"].read_text())
     report["F_s"] *= 1.001

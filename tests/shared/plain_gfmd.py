@@ -17,7 +17,6 @@ import pyfftw
 from numba import njit
 
 LOOK_EVERY = 25  # steps between two looks at the residual
-MARGIN = 1e-3  # of delta_n; a node must cross the edge of the window by this much to enter or leave
 BUDGET = 400_000  # force evaluations from rest to rest; 40 times what a usual slip takes
 POTENTIAL = {
     "np1": False,
@@ -42,7 +41,6 @@ class Plain:
         self.scene, self.fraction, self.tolerance = scene, fraction, tolerance or scene.tolerance
         self.budget, self.restless, self.evaluations = budget, restless, 0
         self.n, self.gap = scene.nodes, scene.profile
-        self.window, self.margin = scene.window_n * scene.delta_n, MARGIN * scene.delta_n
         xx, zz, c = self.K = stiffness(scene)
         self.C = np.array([zz, xx, -c]) / (xx * zz - c * c)
         mean, spread = 0.5 * (xx + zz), np.hypot(0.5 * (xx - zz), c)
@@ -57,27 +55,20 @@ class Plain:
 
     def rest(self, u, U_x, U_z, p0=None):
         """The Rest reached from rest at u (2, nodes); p0 (GPa) holds the load, U_z follows. Raises NoRest."""
-        inside, settled = self.gap + u[1] <= self.window, np.zeros(self.n, bool)
-        while True:
-            steps = (self._moved(u, inside, U_x, U_z, p0, self.fraction / finer) for finer in (1, 4, 16))
-            reached = next((found for found in steps if found), None)  # finer where surfaces clash so that it diverges
-            if reached is None:
-                raise NoRest(f"the motion diverges at U_x = {U_x:.6g}, U_z = {U_z:.6g}")
-            edge = self.gap + reached.u[1] - self.window
-            crossed = np.where(inside, edge > self.margin, edge < -self.margin) & ~settled
-            if not crossed.any():  # a node changes once: where its entry pushes it out again, no set is consistent
+        for finer in (1, 4, 16):  # finer where surfaces clash so that it diverges
+            if reached := self._moved(u, U_x, U_z, p0, self.fraction / finer):
                 return reached
-            inside, settled, (u, U_z, *_) = inside ^ crossed, settled | crossed, reached
+        raise NoRest(f"the motion diverges at U_x = {U_x:.6g}, U_z = {U_z:.6g}")
 
-    def _moved(self, u, inside, U_x, U_z, p0, fraction):
-        """The Rest with these nodes inside the window; None if the motion diverges."""
+    def _moved(self, u, U_x, U_z, p0, fraction):
+        """The Rest; None if the motion diverges."""
         modes, K, last, step, steepest = np.fft.rfft(u, norm="forward"), self.K.copy(), np.inf, None, 0.0
         K[1, 0] *= p0 is None
         motion, p0 = np.zeros_like(modes), p0 or 0.0
         for count in range(self.budget):
             self.spectrum[:] = modes
             self._backward()
-            steep = springs(self.u, self.gap, inside, self.law, self.T)
+            steep = springs(self.u, self.gap, self.law, self.T)
             self._forward()
             self.spectrum /= self.n
             self.spectrum[1, 0] -= p0
@@ -89,7 +80,7 @@ class Plain:
                     return None
                 if max(residual, last) <= self.tolerance or (self.restless and count + LOOK_EVERY >= self.budget):
                     return Rest(here, top - self.C[1, 0] * p0, self.T.copy(), residual)
-                if p0 < 0.0 and (self.gap + here[1]).min() > self.window:
+                if p0 < 0.0 and (self.gap + here[1]).min() > self.scene.delta_0:
                     raise NoRest(f"pulled off at U_x = {U_x:.6g}")
                 last = residual
             if count % LOOK_EVERY == 0 or steep > 1.2 * steepest:
@@ -172,11 +163,11 @@ def stiffness(scene):
 
 
 @njit(cache=True)
-def springs(u, gap, inside, law, T):
+def springs(u, gap, law, T):
     """Fill T (2, nodes) with the NP1 tractions; the largest row sum of |dT/du| of a node, GPa/nm."""
     normal, sideways, delta_n, delta_t, a, reach, potential = law
     steepest, T[:] = 0.0, 0.0
-    for i in np.flatnonzero(inside):
+    for i in range(gap.size):
         dn, s0, s1, s2 = (gap[i] + u[1, i]) / delta_n, 0.0, 0.0, 0.0
         for j in range(ceil((u[0, i] - reach) / a), floor((u[0, i] + reach) / a) + 1):
             dt = (j * a - u[0, i]) / delta_t

@@ -28,25 +28,25 @@ class Toy:
     def solved_to(self, tolerance):
         return Toy(self.T, self.J, self.size, self.k, tolerance)
 
-    def residual(self, v, active, s, out):
+    def residual(self, v, s, out):
         self.evaluations += 1
         out[:] = s * self.direction + self.T(v) / self.k - v
         return float(np.abs(out).max())
 
-    def active(self, v, s, before=None, settled=None):
-        return np.ones(1, bool) if before is None else before
+    def hold(self, v, s):
+        pass
 
-    def preconditioner(self, v, active):
+    def preconditioner(self, v):
         return None
 
-    def crowded(self, v, active, s):
+    def crowded(self, v, s):
         return False
 
     def wider(self):
         return self
 
-    def adopted(self, problem, v, active, s):
-        return v, active
+    def adopted(self, problem, v, s):
+        return v
 
     def sites(self, v, w):
         return 0.0  # no lattice
@@ -54,7 +54,7 @@ class Toy:
     def alike(self, v):
         return False
 
-    def linearised(self, v, active):
+    def linearised(self, v):
         return Disturbed(self, v)
 
     def motion(self):
@@ -65,7 +65,7 @@ class Toy:
         v = np.array(guess, float).reshape(self.size)
         for _ in range(50):
             v = v - np.linalg.solve(self.J(v) / self.k - np.eye(self.size), s * self.direction + self.T(v) / self.k - v)
-        return State.at_rest(s, v, np.ones(1, bool))
+        return State.at_rest(s, v)
 
 
 class Node:
@@ -76,7 +76,7 @@ class Node:
         self.stiffness = np.array([[problem.k], [problem.k], [0.0]])
         self.critical = 2.0 * problem.k**0.5
 
-    def start(self, v, active, s):
+    def start(self, v, s):
         y = np.zeros((2, 1), complex)
         y[: v.size, 0] = v
         return y
@@ -84,13 +84,13 @@ class Node:
     def unknowns(self, y):
         return y[: self.problem.size, 0].real.copy()
 
-    def force(self, y, active, s):
+    def force(self, y, s):
         self.problem.evaluations += 1
-        force = self.start(self.problem.T(self.unknowns(y)), active, s)
+        force = self.start(self.problem.T(self.unknowns(y)), s)
         force[0, 0] += self.problem.k * s
         return force
 
-    def interface(self, v, active):
+    def interface(self, v):
         return float(np.abs(self.problem.J(v)).sum(axis=1).max())
 
 

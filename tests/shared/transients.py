@@ -51,9 +51,9 @@ class MassWeighted(Gfmd):
     def _motion(self, dynamics, y, load):
         return Weighted(dynamics, y, load)
 
-    def _stiffness(self, dynamics, v, active):
+    def _stiffness(self, dynamics, v):
         """Spectral radius of dr/du, by power iteration."""
-        product, probes = self.problem.linearised(v, active).tangent, 1
+        product, probes = self.problem.linearised(v).tangent, 1
         if self._direction is None or self._direction.size != v.size:
             self._direction, probes = np.random.default_rng(0).normal(size=v.size), PROBES
         for _ in range(probes):
@@ -81,10 +81,10 @@ class Weighted:
         """Adapt the step to that spectral radius of dr/du."""
         self.step = SAFETY * 2.0 / np.sqrt(stiffness)
 
-    def advance(self, active, steps) -> None:
-        """Make so many steps with these nodes active; a force evaluation each."""
+    def advance(self, steps) -> None:
+        """Make so many steps; a force evaluation each."""
         for _ in range(steps):
-            residual = self.dynamics.force(self.y, active, self.load)
+            residual = self.dynamics.force(self.y, self.load)
             _to_residual(residual, self.y, self._compliance)
             keep, push = self._law(residual)
             _move(self.y, self._velocity, residual, keep, push, self.step)

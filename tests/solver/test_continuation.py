@@ -20,8 +20,6 @@ from solver.continuation.replay import Replay
 from solver.continuation.state import End, NotConverged
 from solver.continuation.trace import Branch, Passed, lagrange
 
-ACTIVE = np.ones(1, bool)
-
 
 def followed(stepper, state, targets):
     """The Increments to those loads, one after the other."""
@@ -306,7 +304,7 @@ def test_a_node_on_its_spring_moves_as_the_linear_oscillator(damping, kind):
         motion.soften(0.0)
         times, places = [], []
         for n in range(1, int(6.0 / motion.step)):
-            motion.advance(ACTIVE, 1)
+            motion.advance(1)
             times.append(n * motion.step)
             places.append(motion.y[:, 0].real.copy())
         exact = linear_decay(np.array(times), k, 2.0 * damping * k**0.5, 1.0)
@@ -328,7 +326,7 @@ def test_a_fast_mode_follows_quasistatically_and_hardly_changes_a_slow_one():
     for stiff in (1.0, 1e7):
         motion = Motion(Two(stiff), np.array([[1.0], [1.0]], complex), 0.0, 0.5, 40_000.0)
         motion.soften(0.0)
-        motion.advance(ACTIVE, round(8.0 / motion.step))
+        motion.advance(round(8.0 / motion.step))
         slow, fast = motion.y[:, 0].real
         mass = 1.0 + (stiff > 1.0) * motion.step**2 / 4.0 * 40_000.0
         assert slow == pytest.approx(linear_decay(8.0 / mass**0.5, 1.0, 1.0, 1.0), abs=1e-3)
@@ -348,7 +346,7 @@ def test_creep_decays_exponentially_and_in_proportion_to_stiffness():
     motion, places = Creep(Two(), np.array([[1.0], [1.0]], complex), 0.0, inf, 1000.0), []
     motion.soften(1000.0)
     for _ in range(40):
-        motion.advance(ACTIVE, 200)
+        motion.advance(200)
         places.append(np.log(np.abs(motion.y[:, 0])))
     rates = np.diff(np.array(places), axis=0)
     assert np.ptp(rates, axis=0).max() < 1e-9 * np.abs(rates).max()
@@ -366,8 +364,8 @@ def test_creep_reaches_equilibrium_without_overshoot():
     motion = Creep(toy.motion(), np.array([[tomlinson_fold(3.0)[0] + 0.05], [0.0]], complex), fold, inf, 3.0 * Q)
     places = []
     for _ in range(4000):
-        motion.soften(toy.motion().interface(motion.y[:1, 0].real, ACTIVE))
-        motion.advance(ACTIVE, 1)
+        motion.soften(toy.motion().interface(motion.y[:1, 0].real))
+        motion.advance(1)
         places.append(motion.y[0, 0].real)
     assert np.diff(places).min() > -1e-12
     assert places[-1] == pytest.approx(first_rest(fold, tomlinson_fold(3.0)[0], 3.0), abs=1e-6)
@@ -377,10 +375,10 @@ def test_the_load_may_change_while_something_moves():
     """The spring pulls to another place from then on."""
     motion = Motion(oscillator(), np.zeros((2, 1), complex), 0.0, 1.0, 40.0)
     motion.soften(0.0)
-    motion.advance(ACTIVE, 50)
+    motion.advance(50)
     assert np.abs(motion.y).max() == 0.0
     motion.load = 2.0
-    motion.advance(ACTIVE, 4000)
+    motion.advance(4000)
     assert motion.y[0, 0] == pytest.approx(2.0, abs=1e-9) and abs(motion.y[1, 0]) < 1e-12
 
 
@@ -397,12 +395,12 @@ class Linear(Toy):
         super().__init__(None, None, size=size, tolerance=1e-11)
         self.unit = 100.0  # no step is long
 
-    def residual(self, v, active, s, out):
+    def residual(self, v, s, out):
         self.evaluations += 1
         out[:] = s * self.direction + self.b - self.M @ v
         return float(np.abs(out).max())
 
-    def linearised(self, v, active):
+    def linearised(self, v):
         return SimpleNamespace(tangent=lambda w: -self.M @ w, matrix=lambda: -self.M)
 
 
@@ -410,7 +408,7 @@ def test_anderson_steps_solve_a_linear_problem_in_as_many_steps_as_it_has_unknow
     problem = Linear()
     corrector = Corrector(problem)
     v = np.zeros(problem.size)
-    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants()) is not None
+    assert corrector.solve(v, 0.0, corrector.secants()) is not None
     assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-10)
     assert problem.evaluations - 1 <= problem.size + 2  # steps; in exact arithmetic one more than unknowns
 
@@ -419,9 +417,9 @@ def test_secant_pairs_kept_from_one_load_serve_at_the_next():
     problem = Linear()
     corrector = Corrector(problem)
     secants, v = corrector.secants(), np.zeros(problem.size)
-    assert corrector.solve(v, ACTIVE, 0.0, secants) is not None
+    assert corrector.solve(v, 0.0, secants) is not None
     problem.evaluations = 0
-    assert corrector.solve(v, ACTIVE, 1.0, secants) and problem.evaluations - 1 <= 4 < problem.size
+    assert corrector.solve(v, 1.0, secants) and problem.evaluations - 1 <= 4 < problem.size
     expected = np.linalg.solve(problem.M, problem.b + problem.direction)
     assert v == pytest.approx(expected, abs=1e-10)
 
@@ -432,7 +430,7 @@ def test_steps_with_an_inverse_converge_where_anderson_steps_do_not():
     problem.M, problem.tolerance = np.diag(np.linspace(1.0, 1000.0, 100)), 1e-7
     corrector, v = Corrector(problem), np.zeros(problem.size)
     assert corrector.sharp is None
-    assert corrector.solve(v, ACTIVE, 0.0, corrector.secants()) is not None
+    assert corrector.solve(v, 0.0, corrector.secants()) is not None
     assert corrector.sharp is not None
     assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-6)
 
@@ -441,15 +439,15 @@ def test_no_solution_is_reported_where_none_exists():
     """R = s - 1 - v^2 has no root below s = 1."""
     toy = Toy(lambda v: v - 1.0 - v**2, lambda v: np.diag(1.0 - 2.0 * v))
     corrector = Corrector(toy)
-    assert corrector.solve(np.array([0.3]), ACTIVE, 0.5, corrector.secants()) is None
-    assert corrector.solve(np.array([0.3]), ACTIVE, 1.25, corrector.secants())
+    assert corrector.solve(np.array([0.3]), 0.5, corrector.secants()) is None
+    assert corrector.solve(np.array([0.3]), 1.25, corrector.secants())
 
 
 def test_arc_length_steps_solve_for_the_load_beyond_a_fold():
     """On the unstable branch of the cubic, v = -0.3 belongs to the load v^3 - v."""
     toy = cubic()
     corrector, v = Corrector(toy), np.array([-0.35])
-    load = corrector.solve(v, ACTIVE, 0.3, corrector.secants(), np.array([1.0]), -0.3)
+    load = corrector.solve(v, 0.3, corrector.secants(), np.array([1.0]), -0.3)
     assert v[0] == pytest.approx(-0.3, abs=1e-11) and load == pytest.approx(-(0.3**3) + 0.3, abs=1e-11)
 
 
@@ -564,28 +562,28 @@ def test_an_unstable_start_leaves_its_saddle_along_the_unstable_mode():
 
 def test_a_state_close_to_the_end_of_a_branch_is_replaced_by_that_end():
     """Two states at one load have no interpolation between them."""
-    states = [Passed(load, np.array([load**2]), ACTIVE) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
+    states = [Passed(load, np.array([load**2])) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
     branch = Branch((states[0],))
     for state in states[1:]:
         branch = branch.added(state)
-    branch = branch.ended(End(1.0, np.ones(1), ACTIVE))
+    branch = branch.ended(End(1.0, np.ones(1)))
     assert [state.load for state in branch.states] == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
     # quadratic in the load is of the fourth degree in the root of the distance to the end
     assert branch.at(0.99).v[0] == pytest.approx(0.99**2, abs=1e-12)
 
 
 def test_a_trace_is_not_changed_by_extending_it():
-    branch = Branch((Passed(0.0, np.zeros(1), ACTIVE),))
-    longer = branch.added(Passed(1.0, np.ones(1), ACTIVE))
+    branch = Branch((Passed(0.0, np.zeros(1)),))
+    longer = branch.added(Passed(1.0, np.ones(1)))
     assert len(branch.states) == 1 and len(longer.states) == 2
-    assert longer.added(Passed(1.0 + 1e-7, np.ones(1), ACTIVE)) is longer
+    assert longer.added(Passed(1.0 + 1e-7, np.ones(1))) is longer
 
 
 # folds
 
 
 def fold_guess(problem, load, v, way):
-    return End(load, np.array(v, float), np.ones(1, bool), np.array(way, float))
+    return End(load, np.array(v, float), np.array(way, float))
 
 
 def test_a_fold_is_found_from_a_state_off_it():
@@ -606,7 +604,7 @@ def test_a_fold_of_an_interaction_without_potential_has_both_null_vectors():
     fold = fold_near(toy, fold_guess(toy, at.load, at.v, way), FoldOptions(accuracy=1e-9, state=1e-9, alike=1e-9))
     assert fold.load == pytest.approx(toy.load(r[top]), abs=1e-9)
     assert np.hypot(*fold.v) == pytest.approx(r[top], abs=1e-5)  # between values of r
-    A = toy.linearised(fold.v, fold.active).matrix()
+    A = toy.linearised(fold.v).matrix()
     assert np.abs(A @ fold.phi).max() < 1e-8 and np.abs(A.T @ fold.psi).max() < 1e-8
     assert fold.psi @ toy.direction == pytest.approx(1.0)
 
@@ -637,8 +635,8 @@ def test_a_fold_is_left_unchanged_by_the_search():
 def test_dense_solves_replace_iterations_that_do_not_converge():
     toy = spiral()
     v = np.array([1.0, 0.3])
-    solves = Solves(toy.linearised(v, np.ones(1, bool)), accuracy=1e-12, most=1)
-    matrix, f = toy.linearised(v, np.ones(1, bool)).matrix(), np.array([1.0, 2.0])
+    solves = Solves(toy.linearised(v), accuracy=1e-12, most=1)
+    matrix, f = toy.linearised(v).matrix(), np.array([1.0, 2.0])
     assert matrix @ solves(f) == pytest.approx(f, abs=1e-12)
     assert matrix.T @ solves(f, transposed=True) == pytest.approx(f, abs=1e-12)
 

@@ -56,15 +56,15 @@ def problem(request):
 
 
 def state(problem):
-    """(v, active) near an equilibrium, off the symmetry of the surface."""
+    """(v) near an equilibrium, off the symmetry of the surface."""
     v = problem.undeformed(S)
     v = v + 0.1 * np.random.default_rng(0).uniform(-1.0, 1.0, v.size)
-    return v, problem.active(v, S)
+    return v
 
 
-def residual(problem, v, active, s=S):
+def residual(problem, v, s=S):
     out = np.empty(problem.size)
-    worst = problem.residual(v, active, s, out)
+    worst = problem.residual(v, s, out)
     assert worst == np.abs(out).max()
     return out
 
@@ -74,33 +74,33 @@ def members(protocol):
 
 
 def test_every_problem_has_all_members_of_the_protocol(problem):
-    v, active = state(problem)
-    few = {"noise"} if problem.linearised(v, active).size <= OPTIONS.most else set()
+    v = state(problem)
+    few = {"noise"} if problem.linearised(v).size <= OPTIONS.most else set()
     for part, protocol in (
         (problem, Problem),
         (problem.motion(), Dynamics),
-        (problem.linearised(v, active), Linearised),
+        (problem.linearised(v), Linearised),
     ):
         assert [name for name in members(protocol) if name not in few and not hasattr(part, name)] == []
 
 
 def test_the_residual_is_linear_in_the_load(problem):
-    v, active = state(problem)
-    change = residual(problem, v, active, S + 0.3) - residual(problem, v, active)
+    v = state(problem)
+    change = residual(problem, v, S + 0.3) - residual(problem, v)
     assert change == pytest.approx(0.3 * problem.direction, abs=1e-12)
 
 
 def test_the_tangent_is_the_slope_of_the_residual(problem):
     """Central differences over 2e-5 nm: their error is 1e-10 of the third derivative, and 1e-16/1e-5 by round-off."""
-    v, active = state(problem)
+    v = state(problem)
     w = np.random.default_rng(1).normal(size=problem.size)
-    slope = (residual(problem, v + 1e-5 * w, active) - residual(problem, v - 1e-5 * w, active)) / 2e-5
-    assert problem.linearised(v, active).tangent(w) == pytest.approx(slope, abs=1e-7 * np.abs(slope).max())
+    slope = (residual(problem, v + 1e-5 * w) - residual(problem, v - 1e-5 * w)) / 2e-5
+    assert problem.linearised(v).tangent(w) == pytest.approx(slope, abs=1e-7 * np.abs(slope).max())
 
 
 def test_the_dense_tangent_and_the_transposed_one_are_the_tangent(problem):
-    v, active = state(problem)
-    here, (w, x) = problem.linearised(v, active), np.random.default_rng(1).normal(size=(2, problem.size))
+    v = state(problem)
+    here, (w, x) = problem.linearised(v), np.random.default_rng(1).normal(size=(2, problem.size))
     largest = np.abs(here.tangent(w)).max()
     assert x @ here.tangent(w) == pytest.approx(w @ here.transposed(x), abs=1e-12 * problem.size * largest)  # round-off
     assert here.matrix() @ w == pytest.approx(
@@ -110,17 +110,17 @@ def test_the_dense_tangent_and_the_transposed_one_are_the_tangent(problem):
 
 def test_slopes_are_the_change_of_the_tangent(problem):
     """Central differences over 1e-5 nm: their error is 1e-10 of the third derivative, and 1e-16/1e-5 by round-off."""
-    v, active = state(problem)
+    v = state(problem)
     way, right, left = 0.1 * np.random.default_rng(1).normal(size=(3, problem.size))
-    ahead, behind = (left @ problem.linearised(v + h * way, active).tangent(right) for h in (1e-5, -1e-5))
-    slopes = problem.linearised(v, active).slopes(right, left)
+    ahead, behind = (left @ problem.linearised(v + h * way).tangent(right) for h in (1e-5, -1e-5))
+    slopes = problem.linearised(v).slopes(right, left)
     # `slopes` itself takes differences over 1e-3 units
     assert slopes @ way == pytest.approx((ahead - behind) / 2e-5, rel=1e-4, abs=1e-8)
 
 
 def test_right_eigenvectors_are_mirrored_to_left_ones_where_the_interaction_is_symmetric(problem):
-    v, active = state(problem)
-    here = problem.linearised(v, active)
+    v = state(problem)
+    here = problem.linearised(v)
     if hasattr(here, "J"):
         here.J[1] = here.J[2]
     elif not np.array_equal(here.matrix(), here.matrix().T):
@@ -133,38 +133,38 @@ def test_right_eigenvectors_are_mirrored_to_left_ones_where_the_interaction_is_s
 
 
 def test_a_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
-    v, active = state(problem)
-    inverse = problem.preconditioner(v, active)
+    v = state(problem)
+    inverse = problem.preconditioner(v)
     w = np.random.default_rng(1).normal(size=problem.size)
     if inverse is None:
         assert problem.size <= 3  # too few unknowns to be worth one
     else:
-        assert inverse(-problem.linearised(v, active).tangent(w)) == pytest.approx(
+        assert inverse(-problem.linearised(v).tangent(w)) == pytest.approx(
             w, abs=0.03
         )  # single precision, times its condition
 
 
 def test_motion_starts_at_the_given_state(problem):
-    v, active = state(problem)
+    v = state(problem)
     motion = problem.motion()
-    y = motion.start(v, active, S)
+    y = motion.start(v, S)
     u = slice(0, 2 * getattr(problem, "nodes", problem.size))  # a top without mass is where the load wants it
     assert motion.unknowns(y)[u] == pytest.approx(v[u], abs=1e-12)
 
 
 def test_motion_ends_where_the_residual_vanishes(problem):
     """The force less that of the layer vanishes on a surface in equilibrium; to first order it is that of `product`."""
-    v, active = state(problem)
-    here, motion = problem.linearised(v, active), problem.motion()
+    v = state(problem)
+    here, motion = problem.linearised(v), problem.motion()
     x = np.random.default_rng(2).normal(size=here.size)
-    y = motion.start(v, active, S)
+    y = motion.start(v, S)
     dy = np.fft.rfft(x.reshape(2, -1), axis=1) if here.size > 2 else x.reshape(-1, 1)
     dy = np.vstack([dy, np.zeros((2 - len(dy), dy.shape[1]))])
 
     def force(y):
         xx, zz, c = motion.stiffness
         layer = np.array([xx * y[0] - 1j * c * y[1], zz * y[1] + 1j * c * y[0]])
-        return motion.force(y, active, S).copy() - layer
+        return motion.force(y, S).copy() - layer
 
     change = (force(y + 1e-5 * dy) - force(y - 1e-5 * dy)) / 2e-5
     change = np.fft.irfft(change, here.size // 2, axis=1) if here.size > 2 else change.real[: here.size]
@@ -173,8 +173,8 @@ def test_motion_ends_where_the_residual_vanishes(problem):
 
 
 def test_response_to_a_force_solves_the_tangent(problem):
-    v, active = state(problem)
-    here = problem.linearised(v, active)
+    v = state(problem)
+    here = problem.linearised(v)
     matrix = np.array([here.tangent(e) for e in np.eye(problem.size)]).T
     f = np.random.default_rng(3).normal(size=here.size)
     if not hasattr(problem, "contact") or not problem.contact.uniform:
@@ -188,10 +188,10 @@ def test_response_to_a_force_solves_the_tangent(problem):
 @pytest.mark.parametrize("name", ["patch", "one node for all", "held load", "held load, one node for all"])
 def test_an_enlarged_problem_holds_the_same_state(name):
     problem = PROBLEMS[name]()
-    v, active = state(problem)
+    v = state(problem)
     wide = problem.wider()
-    w, more = wide.adopted(problem, v, active, S)
-    assert wide.size > problem.size and more.sum() >= active.sum()
+    w = wide.adopted(problem, v, S)
+    assert wide.size > problem.size
     assert np.abs(wide.surface(w)).max() >= np.abs(problem.surface(v)).max()
     assert wide.direction.size == wide.size == w.size
 
@@ -200,18 +200,18 @@ def test_an_enlarged_problem_holds_the_same_state(name):
 def test_a_state_translated_by_a_period_is_an_equilibrium(name):
     problem = PROBLEMS[name]()
     period = problem.period if name == "lattice" else problem.contact.scene.spacing
-    v, active = state(problem)
-    moved = residual(problem, v + period * problem.direction, active, S + period)
-    assert moved == pytest.approx(residual(problem, v, active), abs=1e-10)
+    v = state(problem)
+    moved = residual(problem, v + period * problem.direction, S + period)
+    assert moved == pytest.approx(residual(problem, v), abs=1e-10)
 
 
 def test_evaluations_are_counted(problem):
-    v, active = state(problem)
+    v = state(problem)
     before = problem.evaluations
-    residual(problem, v, active)
-    here = problem.linearised(v, active)
+    residual(problem, v)
+    here = problem.linearised(v)
     here.tangent(v)
-    problem.motion().force(problem.motion().start(v, active, S), active, S)
+    problem.motion().force(problem.motion().start(v, S), S)
     assert problem.evaluations - before == 3
 
 
@@ -270,7 +270,7 @@ def test_on_a_branch_the_state_is_the_equilibrium_at_the_target(stepper_of):
     assert [d.state.load for d in done] == BEFORE and not any(d.slips for d in done)
     for d in done:
         assert d.residual <= toy.tolerance
-        assert np.abs(residual(toy, d.state.v, d.state.active, d.state.load)).max() <= toy.tolerance
+        assert np.abs(residual(toy, d.state.v, d.state.load)).max() <= toy.tolerance
         # at 0.38 the fold is 0.0049 away: the slope 1 - 3 v^2 is -0.25, and magnifies the residual by 4
         assert d.state.v == pytest.approx(toy.at_rest(d.state.load, d.state.v).v, abs=10.0 * toy.tolerance)
 

@@ -41,7 +41,6 @@ MOVES = {
     "radius": 2.6,
     "height": 1.1,
     "width": 630.0,
-    "window_n": 11.0,
     "u_x_max": 20.0,
 }
 
@@ -158,7 +157,7 @@ def test_frames_of_a_skeleton_are_equilibria(skeleton):
     for frame, load in zip(followed.frames(U_x), U_x, strict=True):
         v = frame.u.ravel()
         # interpolated between the states of a branch
-        assert problem.residual(v, problem.active(v, load), load, np.empty(v.size)) < 1e-3
+        assert problem.residual(v, load, np.empty(v.size)) < 1e-3
         assert (frame.F_bar, frame.L_bar, frame.A_bar) == pytest.approx([one[0] for one in followed.curve([load])])
         assert (frame.stage, frame.U_x, frame.delta, frame.first) == ("shear", load, scene.delta, followed.first)
 
@@ -362,7 +361,7 @@ def prandtl(A, period=2.4):
     """(Toy, Branch to its first fold): T = -A sin(2 pi u/period), k = 1, so that s = u + A sin(2 pi u/period)."""
     toy, q = toys.lattice((A, 0.0), period=period), 2.0 * np.pi / period
     at = np.arccos(-1.0 / (A * q)) / q
-    fold = End(prandtl_fold(A), np.array([at]), np.ones(1, bool), np.ones(1))
+    fold = End(prandtl_fold(A), np.array([at]), np.ones(1))
     v, loads = np.zeros((13, 1)), fold.load * (1.0 - np.linspace(1.0, 0.0, 13) ** 2)
     for i, load in enumerate(loads[1:-1], 1):
         v[i] = toy.at_rest(load, v[i - 1]).v

@@ -19,7 +19,7 @@ ROUGH = [  # landed one site or more beside GFMD when the motion had one step fo
     {
         "seed": 6339, "nodes": 76, "width": 138.928, "E": 32.845, "nu": 0.49, "height": 0.34372, "phi_n": 3.6582,
         "phi_ratio": 0.28813, "delta_bar": 0.99339, "rms_slope": 0.0020807, "hurst": 0.49768, "cut_off": 0.2,
-        "window_n": 8.0, "damping": 2.0, "u_x_max": 60.0,
+        "damping": 2.0, "u_x_max": 60.0,
     },
 ]  # fmt: skip
 FLAT = {"surface": "flat", "nodes": 82, "width": 183.0076, "E": 17.278, "nu": 0.49, "height": 0.7086, "phi_n": 2.2991,
@@ -29,12 +29,11 @@ WAVE = {"surface": "wave", "nodes": 74, "width": 159.6994, "E": 121.41, "nu": 0.
         "phi_ratio": 0.69229, "delta_bar": 0.27326, "damping": 0.99548, "waves": 3, "amplitude": 2.540847660250356,
         "u_x_max": 60.0}  # fmt: skip
 SENSITIVE = {"surface": "flat", "nodes": 183, "width": 411.0729, "E": 33.661, "nu": 0.49, "height": 0.62784,
-             "phi_n": 0.60637, "phi_ratio": 0.59469, "delta_bar": 0.77676, "window_n": 8.0,
-             "u_x_max": 60.0}  # fmt: skip
+             "phi_n": 0.60637, "phi_ratio": 0.59469, "delta_bar": 0.77676, "u_x_max": 60.0}  # fmt: skip
 FLUTTER = {  # a soft cell that leaves by flutter: motions with finer steps wander over 0.3 and 1.7 nm of U_x
     "surface": "rough", "seed": 6845, "nodes": 91, "width": 226.6355, "E": 21.596, "nu": 0.33, "height": 0.83806,
     "phi_n": 1.269, "phi_ratio": 1.8952, "delta_bar": 0.65535, "rms_slope": 0.018395, "hurst": 0.77118, "cut_off": 0.1,
-    "window_n": 8.0, "u_x_max": 60.0,
+    "u_x_max": 60.0,
 }  # fmt: skip
 
 

@@ -109,8 +109,7 @@ def test_pull_off_runs_into_the_rigid_limit_as_lambda_falls():
         scene, unit = punch(lam)
         depths = np.arange(-2.0, 0.5, 0.02)
         gaps = scene.profile - depths[:, None]
-        tension = np.where(gaps <= scene.window_n, traction(scene, np.zeros_like(gaps), gaps)[1], 0.0)
-        rigid = tension.sum(axis=1).min() * scene.spacing / unit
+        rigid = traction(scene, np.zeros_like(gaps), gaps)[1].sum(axis=1).min() * scene.spacing / unit
         off.append(abs(pull_off(lam) / rigid - 1.0))
     assert off[1] < 0.01 and off[1] < 0.3 * off[0]
 
@@ -132,8 +131,7 @@ def softening(scene):
 
 
 def test_no_hysteresis_where_no_instability_exists():
-    """A window of 30 delta_n: at 10, every node that enters or leaves it changes L by 5e-4 of its largest pull."""
-    scene = Scene(path="unload", E=1000.0, window_n=30.0)
+    scene = Scene(path="unload", E=1000.0)
     area, slips = hysteresis(scene)
     assert softening(scene) < 1.0 and not any(slips.values())
     assert abs(area) < 1e-6
@@ -209,10 +207,9 @@ def test_the_load_is_held_in_every_frame(values):
 def test_sticking_at_a_held_load_equals_sticking_at_the_resulting_indentation(values):
     """One equilibrium, found twice: F, A, L equal those of a run at constant delta through the same (delta, U_x).
 
-    A residual of 1e-9 nm, as contact magnifies it some hundred times towards the end of a branch; a window of 20
-    delta_n, as whether a node at its edge still counts is remembered from the way there (at 10, that is 1e-6 of F).
+    A residual of 1e-9 nm, as contact magnifies it some hundred times towards the end of a branch.
     """
-    scene = SMALL.changed(hold="load", tolerance=1e-9, window_n=20.0, **values)
+    scene = SMALL.changed(hold="load", tolerance=1e-9, **values)
     held = stage(list(load_path(scene)), "shear")
     stuck = next(i for i, f in enumerate(held) if f.slip)
     assert stuck > 8

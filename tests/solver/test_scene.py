@@ -110,8 +110,8 @@ def test_text_that_is_no_number_in_range_is_refused(text):
         ("E", "70e9 Pa", 70.0),
         ("width", "2.5 µm", 2500.0),
         ("phi_n", "50 mJ/m²", 0.05),
-        ("window_n", "12 δₙ", 12.0),
-        ("window_n", "12 nm", None),  # which depends on delta_n
+        ("du_z", "0.5 δₙ", 0.5),
+        ("du_z", "1 nm", None),  # which depends on delta_n
         ("damping", "∞", inf),
         ("nodes", "1e3", 1000.0),
         ("nodes", 512, 512.0),
@@ -163,6 +163,11 @@ def test_every_parameter_declares_its_meaning():
 def test_an_unknown_name_is_refused_with_the_allowed_ones():
     with pytest.raises(SceneError, match=r"'Ebar'.*delta_bar.*tolerance"):
         scene_from_text({"Ebar": "1"})
+
+
+def test_a_retired_name_is_refused_with_what_to_do():
+    with pytest.raises(SceneError, match=r"'window_n'.*no effect since version 0\.2.*leave it out"):
+        scene_from_text({"window_n": "10"})
 
 
 @pytest.mark.parametrize(

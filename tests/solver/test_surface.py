@@ -6,7 +6,7 @@ from adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
 
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text
 from solver.analysis.peeling import edges, peel_asymmetry
-from solver.mechanics.contact import patch
+from solver.mechanics.contact import REACH, patch
 from solver.run.loadpath import ALL, BULGE
 from solver.surfaces import averaged
 
@@ -243,7 +243,7 @@ def test_a_wave_stays_symmetric_until_shear_starts():
 
 
 @pytest.mark.slow
-def test_a_summit_apart_that_comes_within_the_window_is_not_overlooked():
+def test_a_summit_apart_that_comes_within_reach_is_not_overlooked():
     """A broad contact pressed into a nearly incompressible layer drives the free surface down, far from it as well."""
     x = (np.arange(256) + 0.5) / 256 * 625.0
     hills = [d * np.clip(1.0 - ((x - at) / half) ** 2, 0.0, None) for at, half, d in ((220, 150, 12), (520, 30, 3.2))]
@@ -252,7 +252,7 @@ def test_a_summit_apart_that_comes_within_the_window_is_not_overlooked():
     first, size = patch(scene, BULGE)
     assert first + size < 0.75 * 256  # the small summit lies outside at first
     narrow, wide = frames(scene), frames(scene, leave_out=ALL - {"window"})
-    part = wide[-1].u[1] + scene.profile <= scene.window_n * scene.delta_n
+    part = wide[-1].u[1] + scene.profile <= REACH * scene.delta_n
     assert part[first + size + 20 :].any()
     for one, other in zip(narrow, wide, strict=True):
         assert one.L_bar == pytest.approx(other.L_bar, abs=1e-9)  # overlooked: 2e-3

@@ -68,7 +68,6 @@ LOADINGS = (
 # Ranges of the Scene that are not axes
 OTHERS = (
     *({"tolerance": value} for value in (1e-12, 1e-3)),
-    *({"window_n": value} for value in (4.0, 40.0)),
     *({"window_t": value} for value in (4.0, 20.0)),
     *({"phi_n": value} for value in (1e-3, 1e3)),
     *({"scale": value} for value in (1e-2, 1e2)),

@@ -19,12 +19,11 @@ PI = LONG("3.14159265358979323846264")
 
 
 class Patch(NamedTuple):
-    """The nodes of a frame: the slice of the cell, u (2, m) and gap (m,) in nm, and which of them act, bool (m,)."""
+    """The nodes of a frame: the slice of the cell, u (2, m) and gap (m,) in nm."""
 
     part: slice
     u: np.ndarray
     gap: np.ndarray
-    active: np.ndarray
 
 
 class Layer(NamedTuple):
@@ -35,30 +34,29 @@ class Layer(NamedTuple):
 
 
 def patch_of(scene: Scene, frame: Frame) -> Patch:
-    """The Patch of a Frame. At dn = 0 and dt = 0 an active node carries no traction: its gap decides."""
+    """The Patch of a Frame."""
     part = slice(frame.first, frame.first + frame.u.shape[1])
     u = frame.u.astype(LONG)
-    gap = scene.profile[part] + u[1]
-    return Patch(part, u, gap, (frame.T != 0.0).any(axis=0) | (gap <= 0.5 * scene.window_n * scene.delta_n))
+    return Patch(part, u, scene.profile[part] + u[1])
 
 
-def springs(scene: Scene, ux, gap, active) -> tuple[np.ndarray, np.ndarray]:
+def springs(scene: Scene, ux, gap) -> tuple[np.ndarray, np.ndarray]:
     """T (2, m) GPa, paper Eq. 2-4, of nodes displaced by ux (m,) at that gap (m,), nm; and the springs' size (m,), GPa.
 
     The size is the same sum with |dn| + 1 and |dt| + 1 for the factors that pass through zero. It is at least that of
     one spring at dt = 0: a node between two sites may have springs only at the edge of the window.
     """
     count, shear, _, size = _sums(scene, ux)
-    dn, t, n = _strengths(scene, gap, active)
+    dn, t, n = _strengths(scene, gap)
     c = _opening(scene)
     gross = 2 * t * (1 + c * np.abs(dn)) * np.maximum(size, 1) + n * (np.abs(dn) + 1) * np.maximum(count, 1)
     return np.array([2 * t * (1 + c * dn) * shear, -n * dn * count]), gross
 
 
-def tangent(scene: Scene, ux, gap, active) -> np.ndarray:
+def tangent(scene: Scene, ux, gap) -> np.ndarray:
     """dT_c/du_d of each node, (2, 2, m) GPa/nm; arguments as in `springs`."""
     count, shear, turn, _ = _sums(scene, ux)
-    dn, t, n = _strengths(scene, gap, active)
+    dn, t, n = _strengths(scene, gap)
     d_t, d_n, c = LONG(scene.delta_t), LONG(scene.delta_n), _opening(scene)
     t_x, t_z = t * (1 + c * dn), t * (1 - c + c * dn)
     return np.array(
@@ -81,10 +79,10 @@ def _opening(scene):
     return LONG({"np1": 0, "xu-needleman": 1}[scene.law])
 
 
-def _strengths(scene, gap, active):
+def _strengths(scene, gap):
     """dn, and phi/delta exp(-dn), GPa, of the tangential and the normal spring; (m,) each."""
     dn = np.asarray(gap, LONG) / LONG(scene.delta_n)
-    force = np.where(active, np.exp(-dn), LONG(0))
+    force = np.exp(-dn)
     return dn, LONG(scene.phi_t) / LONG(scene.delta_t) * force, LONG(scene.phi_n) / LONG(scene.delta_n) * force
 
 

@@ -1,4 +1,4 @@
-"""A frame rechecked: residual, tractions, forces and window, by the sums of `extended`."""
+"""A frame rechecked: residual, tractions and forces, by the sums of `extended`."""
 
 from dataclasses import dataclass
 
@@ -18,26 +18,21 @@ class Recheck:
     """residual and floor, nm: the recomputed residual, and the largest one that round-off in float64 can cause.
 
     traction, forces: deviation of the frame's T over the springs' largest size, of F_bar and L_bar over its sum.
-    window: the distance (delta_n) of any node on the wrong side of the edge of the interaction window.
     """
 
     residual: float
     floor: float
     traction: float
     forces: float
-    window: float
 
 
 def recheck(scene: Scene, frame: Frame) -> Recheck:
     """The Recheck of one Frame of a Scene."""
-    part, own, gap, active = patch_of(scene, frame)
-    T, gross = springs(scene, own[0], gap, active)
+    part, own, gap = patch_of(scene, frame)
+    T, gross = springs(scene, own[0], gap)
     top = np.array([[frame.U_x], [-frame.delta]], LONG)
     u, largest = displacement(scene, _on_cell(scene, part, T))
     u += top
-    dn, inside = (scene.profile + u[1]) / scene.delta_n, np.zeros(scene.nodes, bool)
-    dn[part], inside[part] = gap / scene.delta_n, active
-    wrong = np.where(inside, dn - scene.window_n, scene.window_n - dn)
     forces = np.array([-T[0].sum(), T[1].sum()]) / (scene.nodes * LONG(scene.E)) - (frame.F_bar, frame.L_bar)
     terms = largest + float(np.abs(top).max()) + float(np.abs(own).max())
     return Recheck(
@@ -45,7 +40,6 @@ def recheck(scene: Scene, frame: Frame) -> Recheck:
         floor=ROUNDING * EPS * terms + _rounding(scene, frame, T, gross),
         traction=float(np.abs(T - frame.T).max()) / (float(gross.max()) or 1.0),
         forces=float(np.abs(forces).max()) * scene.nodes * scene.E / (float(gross.sum()) or 1.0),
-        window=max(0.0, float(wrong.max())),
     )
 
 
@@ -61,10 +55,10 @@ def _rounding(scene, frame, T, gross):
 
     SHIFTS roundings of half a unit in the last place, at random for each node; all nodes alike where they move alike.
     """
-    part, u, gap, active = patch_of(scene, frame)
-    alike = scene.surface == "flat" or active.size == 1
-    sign = np.ones((4, 1)) if alike else np.random.default_rng(0).uniform(-1.0, 1.0, (4, active.size))
+    part, u, gap = patch_of(scene, frame)
+    alike = scene.surface == "flat" or gap.size == 1
+    sign = np.ones((4, 1)) if alike else np.random.default_rng(0).uniform(-1.0, 1.0, (4, gap.size))
     share = SHIFTS * 0.5 * EPS * sign.astype(LONG)
     ux, gap = u[0] + share[0] * np.abs(u[0]), gap + share[1] * (np.abs(u[1]) + scene.profile[part])
-    change = springs(scene, ux, gap, active)[0] - T + share[2:] * gross
+    change = springs(scene, ux, gap)[0] - T + share[2:] * gross
     return float(np.abs(displacement(scene, _on_cell(scene, part, change))[0][:, part]).max())

@@ -47,9 +47,9 @@ def stiffness(scene: Scene, held: bool = False) -> np.ndarray:
 
 
 def tangent(scene: Scene, frame: Frame) -> np.ndarray:
-    """dT_c/du_d of every node of the patch, (2, 2, m) GPa/nm, in double; zero where a node is inactive."""
-    _, u, gap, active = extended.patch_of(scene, frame)
-    return extended.tangent(scene, u[0], gap, active).astype(float)
+    """dT_c/du_d of every node of the patch, (2, 2, m) GPa/nm, in double."""
+    _, u, gap = extended.patch_of(scene, frame)
+    return extended.tangent(scene, u[0], gap).astype(float)
 
 
 def exponents(scene: Scene, frame: Frame, held: bool = False) -> np.ndarray:

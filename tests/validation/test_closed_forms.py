@@ -95,7 +95,7 @@ def test_springs_of_the_recheck_agree_with_mpmath(depth):
                 spring = mpmath.exp(-mpmath.mpf(depth)) * mpmath.exp(-(dt**2))
                 springs_x += 2 * scene.phi_t * dt * spring
                 springs_z -= scene.phi_n * mpmath.mpf(depth) * spring
-    T, _ = springs(scene, np.array([x]), np.array([depth]), np.ones(1, bool))
+    T, _ = springs(scene, np.array([x]), np.array([depth]))
     assert float(T[0, 0]) == pytest.approx(float(springs_x), rel=1e-15)
     assert float(T[1, 0]) == pytest.approx(float(springs_z), rel=1e-15)
 

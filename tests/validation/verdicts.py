@@ -30,9 +30,6 @@ DENSE = 256  # nodes of the cell up to which the stability of frames is checked:
 SPECTRA = 3  # frames whose stability is checked, besides those that slipped and the last
 SIDEWAYS = ("shear", "back", "forth")  # stages in which a load may be held
 UNSTABLE = 1e-3  # growth per unit of time of the transient, above which a frame is unstable; a branch ends at 0
-# delta_n by which a node may stand on the wrong side of the window's edge: it changes sides once in an increment.
-# Within 0.1 its traction is that at the edge to a tenth
-EDGE = 0.1
 SAME_TRACTION = 1e-9  # of the springs' size, besides one spring at the tangential edge of the window
 
 
@@ -128,12 +125,10 @@ def _wrong(scene, frame):
 
 def rechecked(scene: Scene, frames: Sequence[Frame]) -> tuple[Verdict | None, dict]:
     """(what is wrong with a sample of the frames by `recheck`, the largest deviations)."""
-    largest = dict.fromkeys(("checked", "residual", "floor", "traction", "forces", "window"), 0.0) | {"checked": 0}
+    largest = dict.fromkeys(("checked", "residual", "floor", "traction", "forces"), 0.0) | {"checked": 0}
     for frame in sampled(frames, SAMPLES):
         second = recheck(scene, frame)
-        largest |= {
-            name: max(largest[name], getattr(second, name)) for name in ("floor", "traction", "forces", "window")
-        }
+        largest |= {name: max(largest[name], getattr(second, name)) for name in ("floor", "traction", "forces")}
         largest["residual"] = max(largest["residual"], second.residual / scene.tolerance)
         largest["checked"] += 1
         if wrong := _deviation(scene, frame, second):
@@ -148,8 +143,6 @@ def _deviation(scene, frame, second: Recheck):
             f"residual {second.residual:.3g} nm, tolerance {scene.tolerance:g}, reported {frame.residual:.3g},"
             f" round-off {second.floor:.2g}"
         )
-    if second.window > EDGE:
-        return f"a node {second.window:.3g} delta_n on the wrong side of the window"
     # round-off decides whether a site at the window's edge is in: exp(-window_t^2)
     if max(second.traction, second.forces) > SAME_TRACTION + 2.0 * exp(-(scene.window_t**2)):
         return f"traction off by {second.traction:.3g}, forces by {second.forces:.3g}"
