@@ -108,11 +108,7 @@ def _integral(before, frame, following, along, force):
 
 def _surface(before, frame):
     """Work of the tractions on the surface between two frames, nN."""
-    if (before.first, before.u.shape) == (frame.first, frame.u.shape):
-        (u, T), (u_after, T_after) = (before.u, before.T), (frame.u, frame.T)
-    else:
-        (u, T), (u_after, T_after) = _whole(before), _whole(frame)
-    return 0.5 * float(np.sum((T + T_after) * (u_after - u))) * frame.scene.spacing
+    return 0.5 * float(np.sum((before.T + frame.T) * (frame.u - before.u))) * frame.scene.spacing
 
 
 def _whole(frame):

@@ -113,5 +113,5 @@ class Pulled:
     def __init__(self, T, first, contact):
         self.nodes = slice(first, first + T.shape[-1])
         whole = np.zeros((*T.shape[:2], contact.scene.nodes))
-        whole[..., slice(None) if contact.uniform else self.nodes] = T
+        whole[..., self.nodes] = T
         self.spectra = np.fft.rfft(whole)

@@ -195,8 +195,8 @@ class _Differentiator:
 
     def _carry(self, state):
         """From now on hold the load of a state at given indentation."""
-        count, carried = self.contact.count, np.zeros((1, *state.T.shape))
-        carried[0, 1] = 1.0 / count
+        carried = np.zeros((1, *state.T.shape))
+        carried[0, 1] = 1.0 / self.scene.nodes
         (dual,), (x,) = self.duals(state, carried)
         parts = self.parts([state])
         self.pressure_by = np.array([np.sum(dual * dT) + x @ rest for (dT,), (rest,) in parts])
@@ -306,8 +306,6 @@ class _Differentiator:
 
     def _on_cell(self, rows):
         """Derivatives (4, nodes) by the strength of every node, from those (4, m) of the patch."""
-        if self.contact.uniform:  # all nodes have equal shares
-            return np.repeat(rows / self.scene.nodes, self.scene.nodes, axis=1)
         out = np.zeros((4, self.scene.nodes))
         out[:, self.first : self.first + rows.shape[1]] = rows
         return out

@@ -32,11 +32,7 @@ class Gfmd:
 
     def increment(self, state, target) -> Increment:
         """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
-        while True:
-            v, residual = self._moved(state.v, state.load, target)
-            if not self.problem.crowded(v, target):
-                break
-            self.problem, state = state.on_wider(self.problem)
+        v, residual = self._moved(state.v, state.load, target)
         after = State.at_rest(target, v, residual=residual)
         slip = End(state.load, state.v, None, "lost", after=after)
         return Increment(after, (slip,) if slipped(self.problem, state, target, after) else ())

@@ -11,7 +11,7 @@ import numpy as np
 
 from .slip import OPTIONS as SLIP
 from .slip import SlipOptions, TooLong, Transient, Trial
-from .state import Crowded, End, NotConverged
+from .state import End, NotConverged
 
 
 @dataclass(frozen=True)
@@ -48,21 +48,15 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     """An End with the State `after` in which the motion from it comes to rest, and whether that is `sensitive`.
 
     The state's load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
-    critical; closed: as of `motion.Motion`. Raises NotConverged, and Crowded where it needs more unknowns.
+    critical; closed: as of `motion.Motion`. Raises NotConverged.
     """
     motion = partial(_moved, judge=judge, damping=damping, closed=closed, options=options.slip)
     slip = _repeated(motion, problem, end, motion(problem, end, USUAL), options)
     # where all nodes are alike, a wave grows on the way only from a disturbance
     if slip.sensitive or not problem.alike(end.v):
         return slip
-    wide, state = problem, slip.after
-    if problem.uniform:
-        wide, state = state.on_wider(problem)
-        start = options.slip.start * problem.unit
-        begun = wide.adopted(problem, end.v + start * end.phi, end.load)
-        v = wide.adopted(problem, end.v, end.load)
-        end = end._replace(v=v, phi=(begun - v) / start)
-    return slip._replace(sensitive=not _same(problem, state, _tried(motion, wide, end, DISTURBED, options), options))
+    disturbed = _tried(motion, problem, end, DISTURBED, options)
+    return slip._replace(sensitive=not _same(problem, slip.after, disturbed, options))
 
 
 def _repeated(motion, problem, end, state, options):
@@ -94,8 +88,6 @@ def _tried(motion, problem, end, trial, options):
     """The State in which a motion comes to rest; None where there is none, or where it wanders before."""
     try:
         state = motion(problem, end, trial)
-    except Crowded:
-        raise
     except NotConverged:
         return None
     return None if _wandered(problem, end, state, options) else state

@@ -57,7 +57,7 @@ class Linearised(Protocol):
 
     def waves(self) -> tuple | None:
         """(mu (2, waves) of all modes, shown) if every mode is a wave, else None. shown(i, q): the x of mu[i, q],
-        complex (N,), or None if these unknowns cannot represent it."""
+        complex (N,)."""
 
 
 class Dynamics(Protocol):
@@ -102,19 +102,6 @@ class Problem(Protocol):
     def preconditioner(self, v) -> Callable | None:
         """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
 
-    def crowded(self, v, s) -> bool:
-        """Whether the state v needs more unknowns."""
-
-    def wider(self) -> "Problem":
-        """The same problem in more unknowns."""
-
-    def adopted(self, problem, v, s) -> np.ndarray:
-        """A state v of a `problem` of no more unknowns in those of this one."""
-
-    @property
-    def uniform(self) -> bool:
-        """Whether one node represents all, so that the unknowns cannot represent waves."""
-
     def sites(self, v, w) -> float:
         """Sites of the lattice between v and w, of the unknown that moves farthest along it."""
 
@@ -140,13 +127,12 @@ class Stepper(Protocol):
     4. Slips come in the order of their loads; the branch of each begins in the state `after` the one before.
     5. Where no equilibrium is reached, NotConverged is raised.
     6. The given state stays valid: from it the increment can be made again.
-    7. `problem` has the unknowns of the state returned last: a wider one takes its place where a state needs it.
-    8. Between increments it keeps nothing but scratch: the state alone determines the next one.
+    7. Between increments it keeps nothing but scratch: the state alone determines the next one.
     """
 
     @property
     def problem(self) -> Problem:
-        """The problem that it advances now."""
+        """The problem that it advances."""
 
     def increment(self, state: "State", target: float) -> "Increment":
         """The Increment from `state` to load `target`, nm, which is higher than the state's; raises NotConverged."""

@@ -9,7 +9,7 @@ from .branch import BranchOptions, continue_branch
 from .corrector import Corrector, CorrectorOptions
 from .landing import LandingOptions, motion_to_rest
 from .rest import Judge, RestOptions
-from .state import Crowded, End, Increment, NotConverged, State, slipped
+from .state import End, Increment, NotConverged, State, slipped
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,7 @@ OPTIONS = QuasiStaticOptions()
 
 
 class QuasiStatic:
-    """Advances States of one problem along its load; keeps only scratch between calls.
-
-    Attributes: problem, replaced by one of more unknowns where the states need it.
-    """
+    """Advances States of one `problem` along its load; keeps only scratch between calls."""
 
     def __init__(self, problem, damping, closed, options: QuasiStaticOptions = OPTIONS):
         """damping: over critical; closed: as of `motion.Motion`."""
@@ -39,15 +36,6 @@ class QuasiStatic:
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""
-        while True:
-            try:
-                return self._increment(state, target)
-            except Crowded:
-                self.problem, state = state.on_wider(self.problem)
-                self.corrector = Corrector(self.problem, self.options.corrector)
-
-    def _increment(self, state, target):
-        """The same on the present problem; raises Crowded."""
         options, slips = self.options, list[End]()
         while len(slips) <= options.slips:
             reached = self._judged(state) if state.unsure else state
@@ -63,8 +51,6 @@ class QuasiStatic:
                     continue
             else:
                 state = reached
-            if self.problem.crowded(state.v, state.load):
-                raise Crowded("the state needs a wider patch")
             return Increment(state, tuple(slips))
         raise NotConverged(f"more than {options.slips} slips in one increment, residual {self.corrector.worst:.2g} nm")
 

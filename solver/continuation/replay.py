@@ -27,15 +27,13 @@ class Replay:
 
     def increment(self, state: State, target: float) -> Increment:
         """As of the stepper; raises what that raises."""
-        trace, before = state.trace or Trace.of(state), self.problem
+        trace = state.trace or Trace.of(state)
         if trace.period is not None:
             repeated = self._repeated(state, trace, target)
             if repeated is not None:
                 return repeated
             trace = Trace.of(state)
         done = self.stepper.increment(state, target)
-        if self.problem is not before:
-            trace = trace.adopted(self.problem, before)
         trace = trace.extended(done)
         if done.slips and all(slip.located for slip in done.slips):
             trace = trace.closed(self.problem, self.spacing, self.options)

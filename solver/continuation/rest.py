@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .inverse import Inverse, orthonormalise
-from .state import TINY, Crowded
+from .state import TINY
 
 ROUND_OFF = 1e-9  # of the largest: eigenvalues and vectors with a smaller imaginary part, from round-off, count as real
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
@@ -74,10 +74,7 @@ class Mode:
 
 
 class Judge:
-    """Judges the states of a run, under a motion of that damping over critical.
-
-    Raises Crowded where a wave grows that one node for all cannot show.
-    """
+    """Judges the states of a run, under a motion of that damping over critical."""
 
     def __init__(self, damping, options: RestOptions = OPTIONS):
         self.damping, self.options = damping, options
@@ -156,10 +153,6 @@ def _of_waves(linearised, mu, shown, friction):
     rates = rate(mu, friction)
     fastest = np.unravel_index(np.argmax(rates), mu.shape)
     growth, x = float(rates[fastest]), shown(*fastest)
-    if x is None:
-        if growth > UNSTABLE:
-            raise Crowded("one node cannot show the wave that grows")
-        x = shown(int(np.argmax(rates[:, 0])), 0)
     fastest = complex(mu[fastest])
     if abs(fastest.imag) <= ROUND_OFF * np.abs(mu).max():
         fastest = complex(fastest.real)

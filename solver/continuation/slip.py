@@ -14,7 +14,7 @@ from .corrector import OPTIONS as CORRECTOR
 from .corrector import Corrector, CorrectorOptions
 from .motion import OPTIONS as MOTION
 from .motion import MotionOptions, motion_of
-from .state import Crowded, NotConverged, Restless, State
+from .state import NotConverged, Restless, State
 
 
 @dataclass(frozen=True)
@@ -143,8 +143,6 @@ class Transient:
             raise TooLong("the motion diverges")
         self.ahead, self._worst = self.v - before, None
         self.problem.hold(self.v, self.load)
-        if self.problem.crowded(self.v, self.load):
-            raise Crowded("the motion needs a wider patch")
         self.starting = self._near_end(self.v)
 
     @property

@@ -26,10 +26,6 @@ class OutOfTime(NotConverged):
     """An increment took longer than its limit of time."""
 
 
-class Crowded(NotConverged):
-    """A state, or a mode that grows, needs more unknowns than the problem has: the increment is repeated with more."""
-
-
 class PulledOff(NotConverged):
     """Under a held load the contact came apart in a slip: the end of the run."""
 
@@ -57,11 +53,6 @@ class State(NamedTuple):
     def undeformed(problem, load) -> "State":
         """The state in which only the load acts on the unknowns."""
         return State.at_rest(load, problem.undeformed(load))
-
-    def on_wider(self, problem) -> tuple:
-        """(the same problem in more unknowns, the State in these); the next increment begins without its past."""
-        wide = problem.wider()
-        return wide, State.at_rest(self.load, wide.adopted(problem, self.v, self.load), unsure=self.unsure)
 
 
 def slipped(problem, before, load, after) -> bool:
@@ -96,10 +87,6 @@ class End(NamedTuple):
     def moved(self, distance, direction) -> "End":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
         return self._replace(load=self.load + distance, v=self.v + distance * direction)
-
-    def adopted(self, wide, problem) -> "End":
-        """In the unknowns of a problem `wide`, which has more of them than the `problem` of the end."""
-        return self._replace(v=wide.adopted(problem, self.v, self.load), phi=None, psi=None)
 
     @property
     def located(self) -> bool:

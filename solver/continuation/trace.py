@@ -107,11 +107,6 @@ class Branch:
         states = tuple(Passed(load + distance, v + distance * direction) for load, v in self.states)
         return replace(self, states=states, slip=self.slip and self.slip.moved(distance, direction))
 
-    def adopted(self, wide, problem) -> "Branch":
-        """In the unknowns of a problem `wide`, which has more of them than the `problem` of the branch."""
-        states = tuple(Passed(s, wide.adopted(problem, v, s)) for s, v in self.states)
-        return replace(self, states=states, slip=self.slip and self.slip.adopted(wide, problem))
-
     def position(self, load: ArrayLike) -> NDArray[np.float64]:
         """t of loads, from 0 to 1; towards a slip the root of the distance, in which states are smooth at a fold."""
         part = (np.asarray(load, float) - self.start) / max(self.end - self.start, TINY)
@@ -189,10 +184,6 @@ class Trace:
         """With one more state of one of its branches."""
         k = self.branches.index(branch)
         return replace(self, branches=(*self.branches[:k], branch.added(state), *self.branches[k + 1 :]))
-
-    def adopted(self, wide, problem) -> "Trace":
-        """In the unknowns of a problem `wide`, which has more of them than the `problem` of the trace."""
-        return replace(self, branches=tuple(branch.adopted(wide, problem) for branch in self.branches))
 
     def closed(self, problem, spacing: float, options: TraceOptions = OPTIONS) -> "Trace":
         """With its period, if the state in which the last slip has landed was passed some sites before.

@@ -14,7 +14,7 @@ from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import sideways, vertical
 from ..scene import CHOICES, LIMITS, Scene, SceneError
 from ..threads import one_thread
-from .moved import NotFollowed, Solver, TooNarrow, moved_branch, moved_folds
+from .moved import NotFollowed, Solver, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
 
@@ -22,7 +22,6 @@ SAME = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved where states or folds moved too far, to quarters
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
-WIDER = 3  # how often the patch grows in one move: each time by a quarter or more
 FINE = 1e-8  # nm, of the residual of the state whose load is held: derivatives of it are asked for to 1e-5
 FARTHEST = 1.5  # units that it may move beside the change of the indentation: farther off, it is on another branch
 ACCURACY = 1e-3  # of a linear solve, of which only a sign is used
@@ -76,32 +75,34 @@ def _halfway(a, b):
 
 
 def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
-    """The Skeleton of the scene, directly, on a patch that is wide enough; adds its evaluations to spent[0]."""
-    for _ in range(WIDER):
-        try:
-            return _moved(skeleton, scene, spent)
-        except TooNarrow as failure:
-            last, skeleton = failure, skeleton.widened()
-        except NotConverged as failure:  # a pull-off under a held load
-            raise NotFollowed(str(failure)) from None
-    raise last
-
-
-def _moved(skeleton, scene, spent):
+    """The Skeleton of the scene, directly; adds its evaluations to spent[0]."""
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     try:
-        jumps = _jumps(contact, skeleton)
-        if jumps and scene.delta < jumps[-1].load:
-            return without_contact(contact, skeleton, jumps)
-        if skeleton.contact is None:
-            held, branches, residual = _branches(contact, skeleton)
-            new = replace(skeleton, scene=scene, branches=branches, jumps=jumps or (), held=held, residual=residual)
-            if jumps is None:
-                refuse_apart(contact, new)
-            return replace(new, lost=jumps is None)
+        new = _moved(contact, skeleton)
+    except NotConverged as failure:  # a pull-off under a held load
+        raise NotFollowed(str(failure)) from None
     finally:
         spent[0] += contact.evaluations
-    return moved(skeleton.contact, scene, spent)
+    if new is None:
+        return moved(skeleton.contact, scene, spent)
+    states = (state for branch in new.branches for state in branch.states)
+    if any(contact.within_reach(state.v[: 2 * contact.size].reshape(2, -1)) for state in states):
+        raise NotFollowed("nodes outside the patch may interact")
+    return new
+
+
+def _moved(contact, skeleton):
+    """The Skeleton of a Contact's scene; None where the surfaces are in contact, unlike in `skeleton`."""
+    scene, jumps = contact.scene, _jumps(contact, skeleton)
+    if jumps and scene.delta < jumps[-1].load:
+        return without_contact(contact, skeleton, jumps)
+    if skeleton.contact is not None:
+        return None
+    held, branches, residual = _branches(contact, skeleton)
+    new = replace(skeleton, scene=scene, branches=branches, jumps=jumps or (), held=held, residual=residual)
+    if jumps is None:
+        refuse_apart(contact, new)
+    return replace(new, lost=jumps is None)
 
 
 def _jumps(contact, skeleton):

@@ -6,9 +6,7 @@ from math import inf
 import numpy as np
 
 from ..continuation.trace import Branch, Trace
-from ..mechanics.contact import Contact
-from ..mechanics.equilibrium import Equilibrium
-from ..run.load_steps import vertical
+from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
 from ..scene import Scene
 from ..threads import one_thread
@@ -58,14 +56,10 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
         remedy = "give the checkpoint that `advance` returns, or use skeleton_of(scene)"
         raise TypeError(f"checkpoint = {type(checkpoint).__name__}; allowed: a Checkpoint; {remedy}")
     trace = checkpoint.state.trace if checkpoint.state else None
-    if (
-        trace is None
-        or checkpoint.patch is None
-        or trace.branches[0].start != 0.0
-        or len(trace.branches[0].states) < 2 > len(trace.branches)
-    ):
+    if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
         raise NotFollowed("the run has not slid yet, or was not recorded from its start")
-    first, spent = checkpoint.patch[0], [0]
+    whole = trace.branches[0].states[0].v.size // 2 == scene.nodes
+    first, spent = 0 if whole else patch(scene)[0], [0]
     guess, passed = _guess(scene, first, trace, checkpoint.jumps)
     skeleton = moved(guess, scene, spent)
     _compare(skeleton, passed, guess)
@@ -95,8 +89,8 @@ def _guess(scene, first, trace: Trace, jumps):
     if len(branches) > MOST:
         raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
     made = tuple(_branch(scene, first, branch) for branch in branches)
-    folds = _jumps(scene, jumps, first, m)
-    return Skeleton(scene, first, made, home, sites, folds or (), folds is None, held=held), branches
+    lost = any(slip.kind != "fold" for slip in jumps)
+    return Skeleton(scene, first, made, home, sites, () if lost else jumps, lost, held=held), branches
 
 
 def _home(branches, load):
@@ -138,14 +132,6 @@ def _branch(scene, first, branch):
     if len(branch.states) < FEWEST:
         raise NotFollowed(f"a branch that begins at {branch.start:g} nm has only {len(branch.states)} states")
     return thinned(scene, first, branch)
-
-
-def _jumps(scene, jumps, first, m):
-    """Guesses of the folds of the approach on the patch of m nodes from `first` on; None where one is not a fold."""
-    if any(slip.kind != "fold" for slip, _ in jumps):
-        return None
-    wide, loading = Equilibrium(Contact(scene, first, m), vertical(1.0)), vertical(1.0)
-    return tuple(slip.adopted(wide, Equilibrium(Contact(scene, *patch), loading)) for slip, patch in jumps)
 
 
 def _compare(skeleton, passed, guess):

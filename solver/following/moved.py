@@ -11,12 +11,10 @@ import numpy as np
 from ..continuation.corrector import Corrector
 from ..continuation.fold import FoldOptions, fold_near
 from ..continuation.problem import Problem
-from ..continuation.rest import Judge
-from ..continuation.state import Crowded, End, State
+from ..continuation.state import End, State
 from ..continuation.trace import Branch, Passed, lagrange
 
 TOLERANCE = 1e-5  # nm, of residuals: the forces of followed runs are right to 1e-4
-FEW = 3  # unknowns of one node that represents all; it cannot represent waves
 SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
 # The load of a fold to the tolerance of states; its state such that F_s is right to 1e-5 (at 3e-3 units a weak one was
 # off by 1.3e-3). Looser solves save 4 % of a move's evaluations.
@@ -34,10 +32,6 @@ class NotFollowed(Exception):
     def __init__(self, reason: str, nearer: bool = False) -> None:
         super().__init__(reason)
         self.nearer = nearer
-
-
-class TooNarrow(NotFollowed):
-    """A node outside the patch may interact."""
 
 
 class Solver:
@@ -64,7 +58,7 @@ class Solver:
             raise NotFollowed(f"the corrector fails at {what}", nearer=True)
         if np.abs(v - guess).max() > surprise * self.problem.unit:
             raise NotFollowed(f"{what} lies on another branch", nearer=True)
-        self._check(v, load, self.corrector.worst, what)
+        self.residual = max(self.residual, float(self.corrector.worst))
         return v
 
     def fold(self, guess: End, what: str) -> End:
@@ -72,18 +66,8 @@ class Solver:
         fold = fold_near(self.problem, guess, FOLDS)
         if fold is None:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
-        self._check(fold.v, fold.load, fold.residual, what)
+        self.residual = max(self.residual, fold.residual)
         return fold
-
-    def _check(self, v, load, residual, what):
-        problem, self.residual = self.problem, max(self.residual, float(residual))
-        if problem.crowded(v, load):
-            raise TooNarrow(f"{what} needs a wider patch")
-        if problem.size <= FEW:
-            try:
-                Judge(self.damping).rightmost(problem, v)
-            except Crowded:
-                raise NotFollowed(f"a wave grows at {what}") from None
 
 
 def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[End | None]:

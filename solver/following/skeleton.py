@@ -1,7 +1,7 @@
 """A run that slides, known by its branches until they repeat: it gives the run at any load."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import count
 
@@ -14,7 +14,7 @@ from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.frame import Frame, SlipEvent, contact_area, forces, forces_and_area, frame_of
-from ..run.load_steps import sideways, vertical
+from ..run.load_steps import sideways
 from ..scene import Scene
 
 FIT = 8192  # nodes whose tractions are computed at once: the law's scratch then fits into a fast cache
@@ -78,8 +78,7 @@ class Skeleton:
         """The mean normal traction that is held, GPa, or None."""
         if self.held is None:
             return None
-        count = 1 if self.nodes == 1 and self.scene.surface == "flat" else self.scene.nodes
-        return float(self.tractions(self.held.v[None])[0, 1].sum()) / count
+        return float(self.tractions(self.held.v[None])[0, 1].sum()) / self.scene.nodes
 
     @cached_property
     def slips(self) -> tuple[SlipEvent, ...]:
@@ -144,21 +143,6 @@ class Skeleton:
             v[mine] = branch.unknowns(U_x[mine] - shift[mine], self.nodes)
         v[:, : self.nodes] += shift[:, None]
         return v
-
-    def widened(self) -> "Skeleton":
-        """The same on a wider patch; the tractions of its nodes displace those that are added."""
-        scene, held = self.scene, self.held
-        shear = self.problem()
-        contact = shear.contact
-        approach = Equilibrium(contact, vertical(1.0))
-        if held is not None:
-            given = Equilibrium(contact, sideways(1.0, -scene.delta))
-            held = Held(given.wider().adopted(given, held.v, 0.0), held.kind)
-        branches = tuple(branch.adopted(shear.wider(), shear) for branch in self.branches)
-        jumps = tuple(jump.adopted(approach.wider(), approach) for jump in self.jumps)
-        apart = self.contact and self.contact.widened()
-        first = contact.wider().first
-        return replace(self, first=first, branches=branches, jumps=jumps, contact=apart, held=held)
 
     def tractions(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
         """T (k, 2, m), GPa, of unknowns v (k, size)."""

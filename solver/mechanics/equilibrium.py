@@ -59,11 +59,6 @@ class Equilibrium:
         """Force evaluations so far, of the contact."""
         return self.contact.evaluations
 
-    @property
-    def uniform(self) -> bool:
-        """Whether one node stands for all."""
-        return self.contact.uniform
-
     def surface(self, v) -> np.ndarray:
         """u (2, m) nm, a view of v."""
         return v[: 2 * self.nodes].reshape(2, self.nodes)
@@ -92,12 +87,12 @@ class Equilibrium:
         return self.contact.traction(self.surface(v))
 
     def everywhere(self, v, s) -> np.ndarray:
-        """Displacement of all nodes of the cell, (2, contact.count) nm; a new array.
+        """Displacement of all nodes of the cell, (2, nodes of the cell) nm; a new array.
 
         The tractions of the patch displace the nodes outside. Those of the patch stay where v has them: where v is not
         quite an equilibrium, a tenth of the difference may decide which equilibrium a transient reaches.
         """
-        surface, part, T = self.motion(), self.contact.part, np.zeros((2, self.contact.count))
+        surface, part, T = self.motion(), self.contact.part, np.zeros((2, self.contact.nodes))
         T[:, part] = self.traction(v)
         out = surface.through(T, surface.operators[1]) + np.array(self.top(v, s))[:, None]
         # where v is no equilibrium, the force on a soft drive says little of where the top is; the patch does
@@ -131,22 +126,6 @@ class Equilibrium:
             return None
         inverse = invert(factors, pivots, lwork=BLOCK * self.size, overwrite_lu=True)[0].T
         return lambda r: (inverse @ r.astype(number)).astype(float)
-
-    def crowded(self, v, s) -> bool:
-        """Whether a node outside the patch may interact."""
-        contact = self.contact
-        if contact.crowded(self.surface(v)):
-            return True
-        return contact.summits_outside and contact.overlooked(self.everywhere(v, s)[1])
-
-    def wider(self) -> "Equilibrium":
-        """The same problem on a wider patch."""
-        return Equilibrium(self.contact.wider(), self.loading, self.pressure)
-
-    def adopted(self, problem, v, s) -> np.ndarray:
-        """v on this patch of a state of the same `problem` on a patch within it."""
-        u = np.broadcast_to(problem.everywhere(v, s), (2, self.contact.nodes))
-        return np.append(u[:, self.contact.part], v[2 * problem.nodes :])
 
     def sites(self, v, w) -> float:
         """By how many sites of the lattice the node that moves farthest along it lies elsewhere in w than in v."""

@@ -81,10 +81,9 @@ class Modes:
         return 2.0 * float(np.sqrt(least.min()))
 
     @staticmethod
-    def of(scene, nodes=None) -> "Modes":
-        """The Modes of a scene, cached for the last scenes; nodes: so many instead, 1 for the uniform mode alone."""
-        layer = scene.width, scene.height * scene.width, scene.E, scene.nu
-        return _modes(nodes or scene.nodes, *layer, scene.drive_compliance)
+    def of(scene) -> "Modes":
+        """The Modes of a scene, cached for the last scenes."""
+        return _modes(scene.nodes, scene.width, scene.height * scene.width, scene.E, scene.nu, scene.drive_compliance)
 
     @cached_property
     def kernels(self) -> np.ndarray:

@@ -92,9 +92,8 @@ class Linearised:
         """dR/dv, dense; None of more than MOST nodes."""
         if self.m > MOST:
             return None
-        out, cell = np.empty((2 * self.m,) * 2), self.contact.cell
-        kernels = np.append(cell.compliance[:2, :1], [[0.0]], axis=0) if self.contact.uniform else cell.kernels
-        _fill(kernels, self.J, out)
+        out = np.empty((2 * self.m,) * 2)
+        _fill(self.contact.modes.kernels, self.J, out)
         if not self.problem.held:
             return -out
         column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
@@ -151,9 +150,9 @@ class Linearised:
     def waves(self) -> tuple | None:
         """Where all nodes are alike, so that every mode is a wave, (mu (2, waves) GPa/nm, shown); else None.
 
-        shown(i, q): the disturbance, complex (size,), of mu[i, q]; None if these nodes cannot show it.
+        shown(i, q): the disturbance, complex (size,), of mu[i, q].
         """
-        if not self.contact.covers_cell or not alike(self.J):
+        if self.m < self.contact.nodes or not alike(self.J):
             return None
         (a, b), (c, d) = self._blocks()
         mean, half = 0.5 * (a + d), 0.5 * (a - d)
@@ -162,8 +161,6 @@ class Linearised:
         return mu, lambda i, q: self._wave(q, mu[i, q])
 
     def _wave(self, q, mu):
-        if self.contact.uniform and q:
-            return None
         (a, b), (c, d) = (row[:, q] for row in self._blocks())
         amplitude = np.array([mu - d, c] if abs(mu - d) > abs(mu - a) else [b, mu - a])
         if not amplitude.any():  # the block is a number: any direction will do

@@ -23,8 +23,8 @@ class Surface:
     def __init__(self, problem):
         self.problem, self.contact = problem, problem.contact
         self.critical = self.contact.modes.critical
-        self.stiffness, self.compliance = self.contact.cell.stiffness, self.contact.cell.compliance
-        self.count, self.patch = self.contact.count, self.contact.part
+        self.stiffness, self.compliance = self.contact.modes.stiffness, self.contact.modes.compliance
+        self.count, self.patch = self.contact.nodes, self.contact.part
         if problem.held:
             self.stiffness = self.stiffness.copy()
             self.stiffness[1, 0] = 0.0

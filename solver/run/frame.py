@@ -183,14 +183,13 @@ def slides_in(frame) -> list[SlipEvent]:
 
 def forces(scene, T) -> tuple[Any, Any]:
     """(F_bar, L_bar): tangential and normal force over w E, of T (..., 2, m), GPa; attraction is negative."""
-    unit = _count(scene, T) * scene.E
+    unit = scene.nodes * scene.E
     return -T[..., 0, :].sum(axis=-1) / unit, T[..., 1, :].sum(axis=-1) / unit
 
 
 def contact_area(scene, T) -> float:
     """A_bar: the length under repulsion over w, from sign changes of T_z, interpolated between nodes; T (2, m), GPa."""
-    count = _count(scene, T)
-    return _repelled(T[1], T.shape[1] == count, least_repulsion(scene)) / count
+    return _repelled(T[1], T.shape[1] == scene.nodes, least_repulsion(scene)) / scene.nodes
 
 
 def forces_and_area(scene, T) -> tuple[float, float, float]:
@@ -203,11 +202,6 @@ def least_repulsion(scene) -> float:
     """T_z (GPa) from which a node counts as in contact, so that a flat at dn = 0 does not flicker by round-off."""
     share = CONTACT_OF_FLATS if scene.surface == "flat" else CONTACT
     return share * scene.phi_n / scene.delta_n
-
-
-def _count(scene, T):
-    """Nodes of the cell as T (..., 2, m) shows them: 1 where one stands for all."""
-    return 1 if T.shape[-1] == 1 and scene.surface == "flat" else scene.nodes
 
 
 @njit(cache=True, nogil=True)
@@ -227,15 +221,12 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v)
-    u, given = on_nodes(scene, problem.surface(state.v)), on_nodes(scene, T)
+    u, given = _read_only(problem.surface(state.v)), _read_only(T)
     position = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
     return Frame(*position, u, given, *forces_and_area(scene, T), residual, evaluations, slips, repeated)
 
 
-def on_nodes(scene, field) -> NDArray[np.float64]:
-    """A read-only copy of a field (2, m); that of one node for all is shown on every node."""
+def _read_only(field):
     field = field.copy()
-    if field.shape[1] == 1 < scene.nodes:  # as broadcast_to does, in a tenth of its time
-        field = np.ndarray((2, scene.nodes), float, field, 0, (field.strides[0], 0))
     field.flags.writeable = False
     return field

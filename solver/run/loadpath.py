@@ -21,12 +21,10 @@ from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
 METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
 # Computations that a run may leave out; frames agree to the tolerance with and without one.
-# uniform: one node stands for all nodes of a flat, until a wave grows. window: nodes outside the patch. translation:
-# sliding repeats itself after a lattice period, so known states are moved on and verified.
-ALL = frozenset({"uniform", "window", "translation"})
+# patch: nodes that springs do not reach. translation: sliding repeats itself after a lattice period, so known states
+# are moved on and verified.
+ALL = frozenset({"patch", "translation"})
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
-# delta_n beyond the reach of springs up to which nodes belong to the first patch, as adhesion draws them nearer
-BULGE = 3.0
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
 DRIVEN = QuasiStaticOptions(rest=RestOptions(far=0.0))
@@ -41,14 +39,13 @@ class Checkpoint(NamedTuple):
 
     stage: str = "approach"
     increment: int = 0  # the next one, within its stage
-    patch: tuple[int, int] | None = None  # (first node, nodes) of the patch
     state: State | None = None
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
     late: bool = False  # whether only the time limit ended it: see `slices.in_time`
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
-    jumps: tuple[tuple[End, tuple[int, int]], ...] = ()  # slips of the approach, and the patch each one is on
+    jumps: tuple[End, ...] = ()  # slips of the approach
 
 
 def load_path(
@@ -101,15 +98,15 @@ def deadline(limit: float, busy: float = BUSY) -> Callable[..., None] | None:
 class Run:
     """Computes increments of one scene; owns the buffers of its contact, and needs nothing else between increments.
 
-    Attributes: stepper, the one in use; done, the Increment that the last frame shows.
+    Attributes: patch, (first node, nodes); stepper, the one in use; done, the Increment that the last frame shows.
     """
 
     def __init__(self, scene, method="fast", leave_out=ALL):
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
         self.scene, self.method, self.leave_out = scene, method, leave_out
-        self._fast = method == "fast"
-        self.stepper = self.done = self._place = None  # _place: load step, patch and pressure that the stepper is for
+        self._fast, self.patch = method == "fast", patch(scene) if "patch" in leave_out else (0, scene.nodes)
+        self.stepper = self.done = self._place = None  # _place: load step and pressure that the stepper is for
 
     def frames(self, checkpoint=None, limit=inf, observe=None) -> Iterator[tuple[Frame, Checkpoint]]:
         """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
@@ -141,11 +138,9 @@ class Run:
         events = tuple(self._event(step, slip) for slip in done.slips)
         numbers = step.stage, index, done.residual, problem.evaluations - before
         frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
-        where = problem.contact.first, problem.contact.size
-        self._place = step, where, checkpoint.pressure
-        after = self._after(checkpoint, load_steps, step, index, done) | {"patch": where}
+        after = self._after(checkpoint, load_steps, step, index, done)
         if step.stage == "approach" and done.slips:
-            after["jumps"] = *checkpoint.jumps, *((slip._replace(after=None), where) for slip in done.slips)
+            after["jumps"] = *checkpoint.jumps, *(slip._replace(after=None) for slip in done.slips)
         return frame, checkpoint._replace(**after)
 
     def _increment(self, step, index, state):
@@ -166,12 +161,12 @@ class Run:
         return index, done._replace(slips=slips + done.slips)
 
     def _stepper_of(self, step, checkpoint):
-        """The stepper of a step, on the patch of the checkpoint."""
-        place = step, checkpoint.patch, checkpoint.pressure
+        """The stepper of a step."""
+        place = step, checkpoint.pressure
         if self._place == place:
             return self.stepper
         scene = self.scene
-        problem = step.problem(Contact(scene, *(checkpoint.patch or self._first_patch())), checkpoint.pressure)
+        problem = step.problem(Contact(scene, *self.patch), checkpoint.pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
         options = {"options": DRIVEN} if self._fast and sudden else {}
         stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene), **options)
@@ -179,13 +174,6 @@ class Run:
             stepper = Replay(stepper, scene.spacing)
         self.stepper, self._place = stepper, place
         return stepper
-
-    def _first_patch(self):
-        """(first, nodes) of the patch on which a run begins."""
-        scene = self.scene
-        if self._fast and scene.surface == "flat" and "uniform" in self.leave_out:
-            return 0, 1
-        return patch(scene, BULGE) if "window" in self.leave_out else (0, scene.nodes)
 
     def _after(self, checkpoint, load_steps, step, index, done):
         """What is new of the Checkpoint after increment `index`: one on, or at the beginning of the next step."""

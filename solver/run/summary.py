@@ -29,18 +29,10 @@ def whole_surface(frame: Frame) -> NDArray[np.float64]:
 
 
 def fields_of(frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
-    """x (m,), u (nm) and T (GPa) (frames, 2, m); x in nm from the middle of the cell.
-
-    At nodes outside a frame's patch u is nan and T is 0.
-    """
-    first = min((frame.first for frame in frames), default=0)
-    last = max((frame.first + frame.u.shape[1] for frame in frames), default=0)
-    u = np.full((len(frames), 2, last - first), np.nan)
-    T = np.zeros_like(u)
-    for k, frame in enumerate(frames):
-        patch = slice(frame.first - first, frame.first - first + frame.u.shape[1])
-        u[k, :, patch], T[k, :, patch] = frame.u, frame.T
-    x = frames[0].scene.x[first:last] - frames[0].scene.width / 2 if frames else np.empty(0)
+    """x (m,), u (nm) and T (GPa) (frames, 2, m) of the nodes of a run; x in nm from the middle of the cell."""
+    nodes = frames[0].first + np.arange(frames[0].u.shape[1]) if frames else np.arange(0)
+    u, T = (np.array([getattr(frame, name) for frame in frames]).reshape(-1, 2, nodes.size) for name in "uT")
+    x = frames[0].scene.x[nodes] - frames[0].scene.width / 2 if frames else np.empty(0)
     return {"x": x, "u": u, "T": T}
 
 
@@ -153,5 +145,4 @@ def left_out(frames: Sequence[Frame]) -> dict[str, int]:
     if not frames:
         return {"nodes": 0, "increments": 0}
     last = frames[-1]
-    kept = 1 if last.u.strides[1] == 0 else last.u.shape[1]  # one node may stand for all: see `frame.on_nodes`
-    return {"nodes": last.scene.nodes - kept, "increments": sum(frame.repeated for frame in frames)}
+    return {"nodes": last.scene.nodes - last.u.shape[1], "increments": sum(frame.repeated for frame in frames)}

@@ -28,7 +28,7 @@ from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, Transform, fft_size
 from solver.presets import preset
 from solver.run.load_steps import vertical
-from solver.run.loadpath import ALL, BULGE
+from solver.run.loadpath import ALL
 
 PRESETS = {
     "Fig. 6": preset("fig6").scene,
@@ -143,7 +143,7 @@ def flat():
 def parts(row):
     """Microseconds of the parts of a force evaluation and of a secant step, on the default patch."""
     scene = Scene()
-    contact = Contact(scene, *patch(scene, BULGE))
+    contact = Contact(scene, *patch(scene))
     problem = Equilibrium(contact, vertical(1.0))
     v = np.random.default_rng(0).normal(size=problem.size)
     r = np.empty_like(v)

@@ -15,7 +15,6 @@ class Toy:
     """T and its Jacobian are functions of u (size,); period: of the lattice, if there is one."""
 
     unit = 1.0
-    uniform = False
 
     def __init__(self, T, J, size=1, k=1.0, tolerance=1e-12):
         self.T, self.J, self.size, self.k, self.tolerance = T, J, size, k, tolerance
@@ -38,15 +37,6 @@ class Toy:
 
     def preconditioner(self, v):
         return None
-
-    def crowded(self, v, s):
-        return False
-
-    def wider(self):
-        return self
-
-    def adopted(self, problem, v, s):
-        return v
 
     def sites(self, v, w):
         return 0.0  # no lattice

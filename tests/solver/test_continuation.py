@@ -125,12 +125,12 @@ def test_a_residual_that_is_no_number_is_not_a_solution(chord):
     toy = Toy(lambda v: np.where(v > 0.5, np.nan, 0.0), lambda v: np.zeros((1, 1)))
     for start, load in ((0.6, 0.6), (0.4, 2.0)):
         corrector = Corrector(toy)
-        assert corrector.solve(np.array([start]), ACTIVE, load, corrector.secants(), chord, 2.0) is None
+        assert corrector.solve(np.array([start]), load, corrector.secants(), chord, 2.0) is None
 
 
 def test_a_motion_is_freed_without_the_garbage_collector():
     toy = cubic()
-    motion = Motion(toy.motion(), toy.motion().start(np.zeros(1), ACTIVE, 0.0), 0.0, 1.0, 1.0)
+    motion = Motion(toy.motion(), toy.motion().start(np.zeros(1), 0.0), 0.0, 1.0, 1.0)
     motion.soften(1.0)
     alive = ref(motion)
     del motion

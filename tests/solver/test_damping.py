@@ -1,31 +1,14 @@
-"""Slips below critical damping, and patches that are widened."""
+"""Slips below critical damping."""
 
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from helpers import same, stage
 from spectrum import growth
 
 from solver import Scene, advance, load_path
-from solver.mechanics.contact import Contact
-from solver.mechanics.equilibrium import Equilibrium
-from solver.run.load_steps import load_steps_of
 
 SMALL = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, du_x=0.2)
-
-
-def test_a_wider_patch_under_a_held_load_keeps_the_surface_in_place():
-    """The nodes that come in lie where the layer is, whose top is at U_z, not at zero."""
-    scene = Scene(E=30.0, delta_bar=-0.7, hold="load", nodes=256, width=625.0, radius=10.0)
-    step = load_steps_of(scene)[1]
-    contact = Contact(scene, 100, 56)
-    problem = Equilibrium(contact, step.loading, -1e-3)
-    v = np.append(np.array([[0.0], [7.0]]) * np.ones(56), 7.0)
-    wide = problem.wider()
-    v = wide.adopted(problem, v, 0.0)
-    assert wide.nodes > 56
-    assert wide.surface(v)[1] == pytest.approx(7.0) and wide.top(v, 0.0)[1] == 7.0
 
 
 def sites(scene, method="fast"):

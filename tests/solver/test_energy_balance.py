@@ -212,14 +212,6 @@ def test_elastic_energy_of_the_flat_is_that_of_a_sheared_block():
     assert layer_energy(frame) == pytest.approx(0.5 * F * (frame.U_x - frame.u[0, 0]), rel=1e-9)
 
 
-def test_work_is_unaffected_by_a_growing_patch():
-    scene = Scene(E=10.0, u_x_max=0.0, du_z=0.5)
-    frames = list(load_path(scene))
-    assert len({f.u.shape for f in frames}) > 1
-    work = work_of(frames)
-    assert np.abs(work.defect).max() < 1e-5 * np.abs(work.top).max()
-
-
 @pytest.mark.parametrize("delta_bar", [-0.5, -0.4])
 def test_dead_weight_does_work_in_the_jump_to_a_held_load(delta_bar):
     """The dead weight does work over the whole jump of delta, which no trapezoid of U_x shows."""

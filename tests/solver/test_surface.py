@@ -6,8 +6,7 @@ from adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
 
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text
 from solver.analysis.peeling import edges, peel_asymmetry
-from solver.mechanics.contact import REACH, patch
-from solver.run.loadpath import ALL, BULGE
+from solver.run.loadpath import ALL
 from solver.surfaces import averaged
 
 ROUGH = Scene(surface="rough")
@@ -224,8 +223,8 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
 )
 def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(values):
     scene = Scene(**values, du_z=0.5, du_x=0.5, u_x_max=8.0)
-    narrow, wide = frames(scene), frames(scene, leave_out=ALL - {"window"})
-    assert narrow[-1].u.shape[1] < 0.8 * wide[-1].u.shape[1] == 0.8 * scene.nodes
+    narrow, wide = frames(scene), frames(scene, leave_out=ALL - {"patch"})
+    assert narrow[-1].u.shape[1] < wide[-1].u.shape[1] == scene.nodes
     assert max(patches(scene, f) for f in wide) > 1
     for one, other in zip(narrow, wide, strict=True):
         assert (one.F_bar, one.L_bar) == pytest.approx((other.F_bar, other.L_bar), abs=1e-9)
@@ -240,22 +239,6 @@ def test_a_wave_stays_symmetric_until_shear_starts():
         odd, even = frame.u + [[1.0], [-1.0]] * frame.u[:, ::-1]
         # 1e-7 at the jump-in, where the branch is about to end
         assert np.abs(odd).max() < 1e-6 and np.abs(even).max() < 1e-6
-
-
-@pytest.mark.slow
-def test_a_summit_apart_that_comes_within_reach_is_not_overlooked():
-    """A broad contact pressed into a nearly incompressible layer drives the free surface down, far from it as well."""
-    x = (np.arange(256) + 0.5) / 256 * 625.0
-    hills = [d * np.clip(1.0 - ((x - at) / half) ** 2, 0.0, None) for at, half, d in ((220, 150, 12), (520, 30, 3.2))]
-    size = {"surface": "measured", "measured": Profile(625.0, np.maximum(*hills)), "width": 625.0, "nodes": 256}
-    scene = Scene(**size, nu=0.4999, height=0.3, delta_n=0.2, delta_bar=3.0, du_z=0.5, du_x=0.5, u_x_max=2.0)
-    first, size = patch(scene, BULGE)
-    assert first + size < 0.75 * 256  # the small summit lies outside at first
-    narrow, wide = frames(scene), frames(scene, leave_out=ALL - {"window"})
-    part = wide[-1].u[1] + scene.profile <= REACH * scene.delta_n
-    assert part[first + size + 20 :].any()
-    for one, other in zip(narrow, wide, strict=True):
-        assert one.L_bar == pytest.approx(other.L_bar, abs=1e-9)  # overlooked: 2e-3
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ def prandtl_tomlinson() -> list[Form]:
     flexibility = scene.height * scene.width / scene.shear_modulus
 
     def pull(u):
-        return -float(springs(scene, np.array([u]), np.zeros(1), np.ones(1, bool))[0][0, 0])
+        return -float(springs(scene, np.array([u]), np.zeros(1))[0][0, 0])
 
     def load(u):
         return u + pull(u) * flexibility
@@ -118,7 +118,7 @@ def force_balance() -> list[Form]:
     scene = Scene(nodes=256, width=625.0, delta_bar=0.2, nu=0.3, du_z=0.5, du_x=0.5, u_x_max=10.0, tolerance=1e-11)
     G, h = scene.shear_modulus, scene.height * scene.width
     k_z = 2.0 * G * (1.0 - scene.nu) / ((1.0 - 2.0 * scene.nu) * h)
-    shear = [f for f in load_path(scene, leave_out=ALL - {"window"}) if f.stage == "shear"]
+    shear = [f for f in load_path(scene, leave_out=ALL - {"patch"}) if f.stage == "shear"]
     F = [G / h * (f.U_x - f.u[0].mean()) / scene.E for f in shear]
     L = [k_z * (f.u[1].mean() + f.delta) / scene.E for f in shear]
     reason = "tolerance 1e-11 nm over the mean displacement of 0.1 nm and more"
