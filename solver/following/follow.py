@@ -83,8 +83,9 @@ def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
         raise NotFollowed(str(failure)) from None
     finally:
         spent[0] += contact.evaluations
-    if new is None:
+    if new is None and skeleton.contact is not None:
         return moved(skeleton.contact, scene, spent)
+    assert new is not None
     states = (state for branch in new.branches for state in branch.states)
     if any(contact.within_reach(state.v[: 2 * contact.size].reshape(2, -1)) for state in states):
         raise NotFollowed("nodes outside the patch may interact")

@@ -11,6 +11,7 @@ import numpy as np
 from ..continuation.corrector import Corrector
 from ..continuation.fold import FoldOptions, fold_near
 from ..continuation.problem import Problem
+from ..continuation.rest import Judge
 from ..continuation.state import End, State
 from ..continuation.trace import Branch, Passed, lagrange
 
@@ -58,7 +59,7 @@ class Solver:
             raise NotFollowed(f"the corrector fails at {what}", nearer=True)
         if np.abs(v - guess).max() > surprise * self.problem.unit:
             raise NotFollowed(f"{what} lies on another branch", nearer=True)
-        self.residual = max(self.residual, float(self.corrector.worst))
+        self._check(v, self.corrector.worst, what)
         return v
 
     def fold(self, guess: End, what: str) -> End:
@@ -66,8 +67,14 @@ class Solver:
         fold = fold_near(self.problem, guess, FOLDS)
         if fold is None:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
-        self.residual = max(self.residual, fold.residual)
+        self._check(fold.v, fold.residual, what)
         return fold
+
+    def _check(self, v, residual, what):
+        self.residual = max(self.residual, float(residual))
+        # no fold shows where the uniform branch of a flat ends
+        if self.problem.alike(v) and not Judge(self.damping).rightmost(self.problem, v).rests:
+            raise NotFollowed(f"a wave grows at {what}")
 
 
 def moved_folds(solver: Solver, old: tuple[Branch, ...]) -> list[End | None]:

@@ -8,13 +8,8 @@ from scipy.optimize import brentq, minimize_scalar
 from spectrum import growth
 
 from solver import Scene, load_path
-from solver.continuation.quasistatic import QuasiStatic
-from solver.continuation.state import State
 from solver.mechanics.cohesive_law import tangent, traction
-from solver.mechanics.contact import Contact
 from solver.mechanics.layer import Modes
-from solver.mechanics.surface import closed_stiffness
-from solver.run.load_steps import load_steps_of
 
 
 class OneNode:
@@ -112,26 +107,8 @@ def test_waves_that_need_all_nodes_are_the_located_end_of_a_branch(values, du_z)
     assert first.load == pytest.approx(C_zz * traction(scene, 0.0, gap)[1] - gap, abs=1e-6)
 
 
-def test_an_increment_that_needs_all_nodes_is_repeated_with_all_nodes():
-    """From the same state, so that its slips and their landings have the unknowns of the state that it reaches."""
-    scene = Scene(surface="flat", u_x_max=0.0, nodes=128, width=312.5, E=5.0, nu=0.49, phi_ratio=0.0)
-    step = load_steps_of(scene)[0]
-    stepper = QuasiStatic(step.problem(Contact(scene, 0, 1), None), 1.0, closed_stiffness(scene))
-    state = State.undeformed(stepper.problem, step.at(0))
-    for k in range(step.increments + 1):
-        before, narrow = state, stepper.problem
-        done = stepper.increment(state, step.at(k))
-        state = done.state
-        if stepper.problem is not narrow:
-            break
-    assert before.v.size == narrow.size == 2 and stepper.problem.size == state.v.size == 2 * scene.nodes
-    assert done.slips and {slip.v.size for slip in done.slips} == {slip.after.v.size for slip in done.slips}
-    assert done.slips[0].v.size == state.v.size and done.residual <= scene.tolerance
-    assert stepper.increment(before.on_wider(narrow)[1], step.at(k)).slips[0].load == done.slips[0].load
-
-
 def test_a_flat_that_flutters_in_a_wave_slips_there_and_lands_in_a_stable_state():
-    """With little damping a wave flutters before any fold. One node for all cannot show it: all nodes move from there.
+    """With little damping a wave flutters before any fold.
 
     The next slip is an image of the first: whole sites farther on, to the accuracy of a located end, 1e-6 nm.
     """
