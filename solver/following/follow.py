@@ -22,6 +22,7 @@ SAME = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not
 PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
 HALVES = 2  # how often a move is halved where states or folds moved too far, to quarters
 NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
+NEAREST = 15.0  # delta_n, of nodes outside the patch: their springs pull with 5e-6 of phi_n/delta_n, 1e-6 of forces
 FINE = 1e-8  # nm, of the residual of the state whose load is held: derivatives of it are asked for to 1e-5
 FARTHEST = 1.5  # units that it may move beside the change of the indentation: farther off, it is on another branch
 ACCURACY = 1e-3  # of a linear solve, of which only a sign is used
@@ -87,7 +88,7 @@ def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
         return moved(skeleton.contact, scene, spent)
     assert new is not None
     states = (state for branch in new.branches for state in branch.states)
-    if any(contact.within_reach(state.v[: 2 * contact.size].reshape(2, -1)) for state in states):
+    if min(contact.outside(state.v[: 2 * contact.size].reshape(2, -1)) for state in states) < NEAREST * scene.delta_n:
         raise NotFollowed("nodes outside the patch may interact")
     return new
 

@@ -74,9 +74,9 @@ class Contact:
         """The smallest gap, nm."""
         return float((self.profile + u[1]).min())
 
-    def within_reach(self, u) -> bool:
-        """Whether an end of the patch lies within REACH, so that its neighbours outside may interact as well."""
-        return self.size < self.nodes and bool((self.profile + u[1])[[0, -1]].min() <= REACH * self.scene.delta_n)
+    def outside(self, u) -> float:
+        """The smaller gap at the ends of the patch, nm: nodes outside are farther; inf if it is the whole cell."""
+        return float((self.profile + u[1])[[0, -1]].min()) if self.size < self.nodes else np.inf
 
 
 def patch(scene) -> tuple[int, int]:
