@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..run.frame import Frame, kind, moving
-from ..run.summary import whole_surface
 
 
 @dataclass(frozen=True)
@@ -109,10 +108,3 @@ def _integral(before, frame, following, along, force):
 def _surface(before, frame):
     """Work of the tractions on the surface between two frames, nN."""
     return 0.5 * float(np.sum((before.T + frame.T) * (frame.u - before.u))) * frame.scene.spacing
-
-
-def _whole(frame):
-    """(u, T) of every node of the cell, (2, nodes) each."""
-    T = np.zeros((2, frame.scene.nodes))
-    T[:, frame.first : frame.first + frame.T.shape[1]] = frame.T
-    return whole_surface(frame), T

@@ -41,7 +41,7 @@ def test_springs_outside_the_patch_are_out_of_reach_in_every_frame(name):
     for frame in load_path(scene):
         assert (frame.first, frame.u.shape) == (first, (2, size))
         assert np.abs(frame.T[:, [0, -1]]).max() < 1e-9 * scene.phi_n / scene.delta_n
-        gap = scene.profile + whole_surface(scene, frame)[1]
+        gap = scene.profile + whole_surface(frame)[1]
         assert gap[outside].min() > REACH * scene.delta_n
 
 
