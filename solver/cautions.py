@@ -85,7 +85,7 @@ def _of_the_layer(scene):
             f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: the time step of the"
             " motion may decide where single nodes come to rest after a slip."
         )
-    h, k = scene.height * scene.width, Modes.of(scene, 1).stiffness[:2, 0]  # of layer and drive; the layer's share:
+    h, k = scene.height * scene.width, Modes.of(scene).stiffness[:2, 0]  # of layer and drive; the layer's share:
     shares = 1.0 - k * scene.drive_compliance
     strain = (abs(scene.deepest) * shares[1] + scene.farthest * shares[0]) / h
     if strain > STRAIN:
