@@ -40,7 +40,7 @@ def test_runs_without_shear_or_contact_have_valid_axes_and_an_explanation(look, 
     start, end = page.evaluate(f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.x_range)")
     assert start < end
     assert len(column(page, "forces.L", "U_x")) > 0
-    apart = "Too far apart to hold on" in page.inner_text("main")
+    apart = "faint pull" in page.inner_text("#sentence")
     assert apart == ("delta_bar=-1" in query)
 
 
