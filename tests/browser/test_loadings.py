@@ -105,7 +105,7 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
         page.locator("#save-csv").press("Enter")
     text = download.value.path().read_text()
     rows = list(csv.DictReader(io.StringIO("".join(line for line in text.splitlines(True) if line[0] != "#"))))
-    F = [float(row["F"]) for row in rows]
+    F = [float(row["F (N/m)"]) for row in rows]
     assert pytest.approx(F, rel=1e-5, abs=1e-3) == page.evaluate("[...punch.run.shear('F')]")
 
 
