@@ -97,8 +97,9 @@ class Sheet:
     def draw(self, slot: str, part: str, **columns: Any) -> None:
         """Replace data columns of a part of a figure. Nothing is sent if they are the same."""
         source = self.views[slot].parts[part].data_source
-        if not all(np.array_equal(source.data[name], values) for name, values in columns.items()):
-            source.data = dict(source.data) | columns
+        before = dict(source.data)
+        if not all(name in before and np.array_equal(before[name], values) for name, values in columns.items()):
+            source.data = before | columns
 
 
 class Pages:
