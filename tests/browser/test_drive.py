@@ -37,7 +37,7 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
     lines = Path(download.value.path()).read_text(encoding="utf-8").splitlines()
     rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     for name in ("U_x_top", "delta_top"):
-        found = [float(row[name]) for row in rows]
+        found = [float(row[f"{name} (nm)"]) for row in rows]
         assert found == pytest.approx([getattr(frame, name) for frame in frames], abs=1e-4)
 
 
