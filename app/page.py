@@ -23,6 +23,7 @@ from bokeh.settings import settings
 from app import assets, pages, schema
 from app.document import frozen
 from app.glossary import forms
+from app.server_log import reach
 from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.orders import Wire
 from app.session.session import Session
@@ -158,6 +159,7 @@ def _declarations(root):
         "terms": forms(),
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
+        "reach": reach()._asdict(),
         "scripts": [name for name in pages.listed() if (pages.HERE / name / "page.js").exists()],
     }
 

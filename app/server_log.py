@@ -10,7 +10,9 @@ import sys
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+from app.hosts import OWN
 
 log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
@@ -63,22 +65,44 @@ def addresses() -> list[str]:
     return [address for address in dict.fromkeys(found) if not address.startswith(("127.", "0."))]
 
 
-def log_addresses(arguments: Any = None) -> None:
-    """Log the address of the page for a class, or the command that makes the page reachable."""
-    given = sys.argv[1:] if arguments is None else arguments
+class Reach(NamedTuple):
+    """How other machines reach the server: the origins that it accepts, or the commands that make it reachable."""
+
+    origins: list[str]
+    page: str  # the path of the page
+    commands: list[tuple[str, str]]  # (origin, command), for each address of this machine
+
+
+def reach(arguments: Any = None) -> Reach:
+    """Return the Reach of a server with these command line arguments; None: those of this process.
+
+    A server that accepts every host name is reached by the address of the machine.
+    """
+    given = sys.orig_argv if arguments is None else arguments  # Bokeh replaces sys.argv while it loads the app
     port = (_option(given, "--port") or ["5006"])[-1]
     known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]
-    hosts = [host for host in known if host.strip("*")]
+    own = [f"{address}:{port}" for address in addresses()]
+    hosts = [host for host in known if host and "*" not in host and not OWN.fullmatch(host.lower())]
+    if any(host.startswith("*") for host in known):
+        hosts += own
     scheme = "https" if "--use-xheaders" in given else "http"  # set behind a proxy, usually with TLS
     prefix = "".join(_option(given, "--prefix")[-1:]).strip("/")
-    page = f"/{prefix}/app" if prefix else "/app"
-    for host in hosts:
-        log.info("visitors open %s://%s%s", scheme, host, page)
-    for address in addresses() if not hosts else ():
-        host = f"{address}:{port}"
-        command = ["panel", "serve", _folder(), "--address", "0.0.0.0", "--port", port]
-        command += ["--allow-websocket-origin", host, *(["--prefix", prefix] if prefix else [])]
-        log.info("for a class at http://%s%s start it by: %s", host, page, shlex.join(command))
+    commands = [] if hosts else [(f"http://{host}", _command(host, port, prefix)) for host in own]
+    return Reach([f"{scheme}://{host}" for host in hosts], f"/{prefix}/app" if prefix else "/app", commands)
+
+
+def _command(host, port, prefix):
+    command = ["panel", "serve", _folder(), "--address", "0.0.0.0", "--port", port, "--allow-websocket-origin", host]
+    return shlex.join([*command, *(["--prefix", prefix] if prefix else [])])
+
+
+def log_addresses(arguments: Any = None) -> None:
+    """Log the address of the page for a class, or the command that makes the page reachable."""
+    origins, page, commands = reach(arguments)
+    for origin in origins:
+        log.info("visitors open %s%s", origin, page)
+    for origin, command in commands:
+        log.info("for a class at %s%s start it by: %s", origin, page, command)
 
 
 def _folder():

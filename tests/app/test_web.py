@@ -453,3 +453,14 @@ def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     assert caplog.messages[-1] == "visitors open http://contact.example/app"
     server_log.log_addresses(["serve", "app", "--use-xheaders", "--prefix", "/lab/"])
     assert caplog.messages[-1] == "visitors open https://contact.example/lab/app"
+
+
+def test_reach_names_no_origin_that_only_this_computer_opens(monkeypatch):
+    monkeypatch.setattr(server_log, "addresses", lambda: ["192.0.2.7"])
+    monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)
+    for host in ("localhost:5006", "127.0.0.1:5006", "[::1]:5006"):
+        reached = server_log.reach(["serve", "app", "--allow-websocket-origin", host])
+        assert reached.origins == [] and len(reached.commands) == 1
+    assert server_log.reach(["serve", "app", "--allow-websocket-origin=*"]).origins == ["http://192.0.2.7:5006"]
+    named = server_log.reach([f"--allow-websocket-origin={host}" for host in ("localhost:5006", "a.b")])
+    assert named.origins == ["http://a.b"] and named.commands == []

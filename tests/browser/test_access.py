@@ -35,7 +35,7 @@ def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
         ("#help", "#keys"),
     ):
         from_menu(page, button)
-        page.locator(f"{sheet}[open] :is(td, dt, #share-qr[src])").first.wait_for()
+        page.locator(f"{sheet}[open] :is(td, dt, #share-link)").first.wait_for()
         assert not found_by_axe(page), sheet
         page.keyboard.press("Escape")
     from_menu(page, "#pin")

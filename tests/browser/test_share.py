@@ -3,13 +3,15 @@
 import csv
 import io
 import json
+import re
+import socket
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 from PIL import Image
-from served import PATIENCE, finished, from_menu, laid_out
+from served import PATIENCE, Server, finished, from_menu, laid_out, patient
 
 from solver.cli import main as command_line
 
@@ -34,10 +36,54 @@ def saved(page, button):
     return download.value.path().read_bytes()
 
 
-def test_link_restores_scene_and_increment_and_has_a_qr_code(sheet, visit):
+@pytest.fixture(scope="module")
+def named():
+    """A server that accepts another name of this machine than the loopback's."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    running = Server(port=port, BOKEH_ALLOW_WS_ORIGIN=f"127.0.0.2:{port}")
+    running.wait_for("visitors open")
+    yield running
+    running.stop()
+
+
+def test_link_and_code_of_localhost_carry_the_address_that_other_machines_reach(named, browser):
+    page = patient(browser.new_page(viewport={"width": 1280, "height": 720}))
+    page.goto(f"{named.address}?u_x_max=4&du_x=0.5&theme=dark")
+    finished(page)
+    from_menu(page, "#take")
+    page.locator("#share-qr").wait_for()
+    link = page.input_value("#share-link")
+    assert link.startswith(f"http://127.0.0.2:{named.port}/app?")
+    assert f'src="http://127.0.0.2:{named.port}/app?' in page.input_value("#share-frame")
+    assert not page.locator("#share-here").is_visible()
+    other = patient(browser.new_page())
+    other.goto(link)
+    finished(other)
+    other.close()
+    page.locator("#enlarge-qr").click()
+    page.locator("#qr img").wait_for()
+    box = page.locator("#qr img").bounding_box()
+    assert box["width"] == box["height"] > 0.9 * 720 and box["y"] >= 0 and box["y"] + box["height"] <= 720
+    assert page.inner_text("#qr-link") == link
+    page.locator("#qr img").click()
+    page.locator("#qr").wait_for(state="hidden")
+    page.locator("#share-link").wait_for()  # the dialog below stays
+    page.close()
+
+
+def test_a_link_that_only_this_computer_opens_says_so_with_the_command_for_a_class(sheet):
+    assert sheet.inner_text("#share-here").startswith("Only this computer opens the link.")
+    if sheet.is_visible("#share-start"):  # otherwise the machine has no address in a network
+        port = sheet.evaluate("location.port")
+        assert re.search(rf"--port {port} --allow-websocket-origin \S+:{port}", sheet.inner_text("#share-command"))
+    assert not sheet.locator("#share-qr").is_visible()  # a phone would open its own localhost
+
+
+def test_link_restores_scene_and_increment(sheet, visit):
     link = sheet.input_value("#share-link")
     assert "k=209" in link
-    sheet.wait_for_function("document.getElementById('share-qr').naturalWidth > 100")
     again = visit(link[link.index("?") :])
     finished(again)
     again.wait_for_function("punch.drawn === 209 && !punch.playing")

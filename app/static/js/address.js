@@ -4,7 +4,7 @@
 import { by, lastSearch, on, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { restore } from "./steer.js"
-import { beginChange, me, view } from "./store.js"
+import { beginChange, declared, me, view } from "./store.js"
 
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
@@ -144,9 +144,15 @@ export function goToAsked() {
   if (texts.length) import("./later/pins.js").then(({ fromLink }) => fromLink(texts))
 }
 
+// Whether the address of this page is that of the computer for itself; app/hosts.py has the same names
+const opensHereOnly = () => ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname)
+// Whether others can open links of this page: the server may have another name for them
+export const opensElsewhere = () => !opensHereOnly() || declared.reach.origins.length > 0
+
 // The address of what is on screen now, for others; more: further parameters [[name, text], ...]
 export function linkTo(more = []) {
-  const url = new URL(location.pathname, location.origin), page = openedPage()
+  const origin = opensHereOnly() ? declared.reach.origins[0] : null, page = openedPage()
+  const url = new URL(location.pathname, origin ?? location.origin)
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)

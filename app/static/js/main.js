@@ -25,7 +25,7 @@ import * as units from "./words.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
 // declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a
-// word: term} and positions {slider: values}; index: Bokeh's index of views
+// word: term}, positions {slider: values} and reach (of server_log.py); index: Bokeh's index of views
 export function start({ wire, figures, slots, declarations, index }) {
   Object.assign(declared, JSON.parse(declarations))
   useIndex(index)

@@ -1,12 +1,12 @@
 // The sheet of what can be taken away
 
-import { linkTo } from "./address.js"
+import { linkTo, opensElsewhere } from "./address.js"
 import { holderOf, pictureOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
-import { me } from "./store.js"
+import { declared, me } from "./store.js"
 import { parameters } from "./words.js"
 
 const NAME = "mixed-mode-contact"
@@ -92,8 +92,8 @@ function showFile({ why, ending, body }) {
 
 function showSheet({ link, qr, python }) {
   if (link !== by("share-link").value) return
-  by("share-qr").src = qr
-  by("share-qr").hidden = !qr
+  if (qr && opensElsewhere()) for (const code of document.querySelectorAll(".qr img")) code.src = qr
+  by("enlarge-qr").hidden = !qr || !opensElsewhere()
   by("share-python").value = python
   by("share-python").rows = python.split("\n").length
 }
@@ -108,6 +108,7 @@ function connect() {
   on("copy-python", "click", () => copy(by("share-python"), "Python lines"))
   on("save-png", "click", async () => download(await png(view.value), `-${view.value}.png`))
   on("save-csv", "click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
+  on("enlarge-qr", "click", () => by("qr").showModal())
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => {
       say("computing the run once more, in full precision …")
@@ -130,7 +131,12 @@ export function open() {
   if (me.lost) sentences.push("The server does not answer: it is needed for Python, NPZ and JSON.")
   for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
   by("share-python").value = "" // of the run before, until the server answers
-  by("share-qr").hidden = true
+  by("enlarge-qr").hidden = true
+  by("qr-link").textContent = link
+  const elsewhere = opensElsewhere(), [[, command = ""] = []] = declared.reach.commands
+  by("share-here").hidden = elsewhere
+  by("share-command").textContent = command
+  by("share-start").hidden = !command
   if (!me.run?.whole) sentences.push("The run is still being computed: CSV and pictures hold what there is.")
   say(sentences.join(" "))
   order("share", { link })
