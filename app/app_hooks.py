@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from tornado.ioloop import IOLoop, PeriodicCallback
 
-from app import routes, server_log
+from app import lab, routes, server_log
 from app.page import shared
 from app.service import metrics, worker
 from app.service.jobs import jobs
@@ -42,9 +42,11 @@ def on_server_loaded(server_context: Any) -> None:
 
 
 def _load():
-    """Load the kernel of the interface law for its page, after a worker has compiled it."""
+    """Load research pages, and the kernel of the interface law for its page, after a worker has compiled it."""
     with suppress(Lost, CancelledError):
         pool.submit(worker.ready, owner=NOBODY, rank=LATER).result()
+        for name in lab.PAGES:
+            lab.module(name)
         cohesive_law.traction(Scene(), np.zeros(1), 0.0)
 
 

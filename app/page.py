@@ -20,7 +20,7 @@ from bokeh.embed.util import RenderItem
 from bokeh.models import CustomJS, Div
 from bokeh.settings import settings
 
-from app import assets, pages, schema
+from app import assets, lab, pages, schema
 from app.document import frozen
 from app.glossary import forms
 from app.server_log import reach
@@ -125,6 +125,7 @@ def _html(doc, root):
         "row": [preset for preset in presets().values() if preset.short],
         "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
         "modules": pages.listed(),
+        "labs": lab.PAGES,
         "pages": {"": "Experiment"} | {name: page.TITLE for name, page in pages.listed().items()},
         "schema": schema,
         "speeds": SPEEDS,

@@ -61,10 +61,3 @@ CURVES = {
     "A": Curve("A, width touching", "--area", symbol="A"),
     "ghost": Curve("before", "--ghost"),
 }
-FLATS = {  # presets on the page "Stick-slip", one curve each; E in GPa, phi_t in N/m
-    "fig4a-blue": Curve("E 70, φₜ 0.2", "--repulsive"),
-    "fig4a-red": Curve("140, 0.2", "--adhering", "dotted"),
-    "fig4a-green": Curve("70, 0.1", "--shear", "dashed"),
-    "fig4b-weak": Curve("70, 0.004", "--slip", "dotdash"),
-    "fig4b-stiff": Curve("3000, 0.2", "--soft", "dashdot"),
-}

@@ -12,6 +12,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from tornado.websocket import WebSocketClosedError
+
 from app.hosts import OWN
 
 log = logging.getLogger("app")
@@ -38,6 +40,11 @@ class Lines(logging.Formatter):
         return " ".join(f"{name}={_quoted(value)}" for name, value in fields.items())
 
 
+def _matters(record: logging.LogRecord) -> bool:
+    """Whether a record is none of asyncio about a visitor who left while Panel wrote to a research page."""
+    return not (record.exc_info and isinstance(record.exc_info[1], WebSocketClosedError))
+
+
 def _quoted(value):
     text = f"{value:.6g}" if isinstance(value, float) else str(value)
     return text if BARE.fullmatch(text) else json.dumps(text, ensure_ascii=False)
@@ -50,6 +57,7 @@ def configure() -> None:
         root.addHandler(logging.StreamHandler())
     for handler in root.handlers:
         handler.setFormatter(Lines())
+    logging.getLogger("asyncio").addFilter(_matters)
     for name in ("app", "tornado.general"):  # Tornado logs there which address sent a malformed request
         logging.getLogger(name).setLevel(logging.INFO)
 

@@ -14,8 +14,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from bokeh.util.token import generate_jwt_token, generate_session_id
-from panel.io.server import DocHandler
+from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
+from panel.io.resources import Resources
+from panel.io.server import DocHandler, server_html_page_for_session
+from panel.io.state import set_curdoc
+from tornado.ioloop import IOLoop
 from tornado.web import RequestHandler, authenticated
 
 from app.assets import PAGES, STATIC, content, version
@@ -29,6 +32,7 @@ from app.session.message_filter import TOKEN, is_full
 log = logging.getLogger("app")
 STRANGE = 3  # unknown names of an address that the page reports, at most
 AGAIN = 10  # s before a browser repeats the request for a page of a full class
+CONNECTS = 60.0  # s within which a browser connects to the session of a research page
 YEAR = 31_536_000  # s
 HTML = "text/html; charset=utf-8"
 NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors "
@@ -133,7 +137,10 @@ class Page(Plain, DocHandler):
             return self.refuse(414, "The address is too long", text)
         nonce = secrets.token_urlsafe(16)
         try:
-            page = shared(self.application_context.url).page_for(arguments, token=token, nonce=nonce)
+            if "lab" in arguments:
+                page = await self.lab_page(token, nonce)
+            else:
+                page = shared(self.application_context.url).page_for(arguments, token=token, nonce=nonce)
         except Exception:
             log.exception("the page could not be built")
             return self.refuse(500, "The experiment could not be opened", f"See the server's log. {self.without}")
@@ -141,11 +148,23 @@ class Page(Plain, DocHandler):
         metrics.count("pages")
         self.body(page, HTML)
 
+    async def lab_page(self, token: str, nonce: str) -> str:
+        """Return a page of app/lab: its session starts now, and Panel renders its document."""
+        session = await self.application_context.create_session_if_needed(get_session_id(token), self.request, token)
+        session.block_expiration()  # a slow browser would find another session than that of its page
+        IOLoop.current().call_later(CONNECTS, session.unblock_expiration)
+        doc, resources = session.document, Resources.from_bokeh(self.application.resources())
+        own = {"template": doc.template, "template_variables": doc.template_variables}
+        with set_curdoc(doc):  # Panel then finds the theme of this visitor
+            page = server_html_page_for_session(session, resources, doc.title, token, **own)
+        return re.sub(r"<script(?=[ >])", f'<script nonce="{nonce}"', page)
+
     def known_arguments(self) -> dict[str, list[bytes]]:
         """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
+        read = FOR_SERVER | ({"theme"} if "lab" in given else set())
         others = [name for name in given if name not in FOR_SERVER | {*FOR_BROWSER}][:STRANGE]
-        return {name: given[name] for name in given if name in FOR_SERVER} | {name[:40]: [] for name in others}
+        return {name: given[name] for name in given if name in read} | {name[:40]: [] for name in others}
 
     def token_for(self, arguments: dict[str, list[bytes]]) -> str:
         """Return the token for the connection: it has the id of a session, and the arguments of the address."""

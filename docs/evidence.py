@@ -32,7 +32,7 @@ COMMANDS = {
         "Accuracy",
         "Error against run time",
         "The default scene by four methods: error of F, L and A before the first slip, and branches after slips.",
-        (BENCH + "curves.py", "--picture", "docs/accuracy.png"),
+        (BENCH + "curves.py", "--picture", "docs/accuracy.png", "--page"),
     ),
     "landings": Entry(
         "Accuracy",
@@ -158,11 +158,15 @@ def measured(entry: Entry) -> dict[str, str]:
     """Runs the command and returns its output with commit, date and processor; raises CalledProcessError."""
     return {
         "command": " ".join(["python", *entry.command]),
-        "commit": output("git", "rev-parse", "--short", "HEAD"),
-        "date": date.today().isoformat(),
-        "processor": processor(),
+        **origin(),
         "output": output(sys.executable, *entry.command),
     }
+
+
+def origin() -> dict[str, str]:
+    """The commit, the date and the processor of a measurement."""
+    commit = output("git", "rev-parse", "--short", "HEAD")
+    return {"commit": commit, "date": date.today().isoformat(), "processor": processor()}
 
 
 def output(*command: str) -> str:

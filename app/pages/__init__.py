@@ -5,14 +5,12 @@ A page is a folder here with a page.py:
     TITLE, ORDER, FIGURES    its name, its place in the menu, the slots of its figures
     compose()                the Bokeh figures, each named page_slot, if there are any
     Page                     a Sheet: the page of one visitor
-    figure(scene)            the figures for a notebook
 
 page.html is its section of the document, where `modules` has all page.py by name. Without it, the section has a title
 and the figures. page.js is its script. A page publishes one dictionary. The browser shows these entries of it, and
 page.js receives all:
 
-    texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)},
-    tables {element: rows}; a cell is a text or a button {label, pressed, ask: the order that it sends}
+    texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)}
 """
 
 import logging

@@ -1,6 +1,7 @@
 """Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
 import pickle
+from collections.abc import Generator
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
@@ -15,7 +16,7 @@ from app.service import packing, worker
 from app.service.worker import Part
 from solver import LIMITS, NotConverged, Profile, ProfileError, Scene, advance, read_profile
 from solver.analysis.fit import fit
-from solver.analysis.friction_laws import Search, friction_force, search_on
+from solver.analysis.friction_laws import Search, search_on
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
@@ -25,7 +26,6 @@ from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.run.film import through
-from solver.run.frame import slides_in
 from solver.run.loadpath import Checkpoint, Run, deadline
 
 LONGEST_FILE = 60.0  # s of work on a file
@@ -44,47 +44,14 @@ def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[flo
     return toughness(scene, np.radians(angles)).tolist()
 
 
-def flat_curve(scene: Scene, state: Any = None) -> Any:
-    """Return (U_x (k,) nm, F_bar (k,)) of a run in shear, float32: its increments, and the forces where slips begin.
-
-    It may also return a Part, or the NotConverged that ended the run.
-    """
-    rows, checkpoint = state or ([], None)
-    frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
-    for frame in frames:
-        if frame.stage == "shear":
-            rows += [(slip.load, slip.F_bar) for slip in frame.slips]
-            rows.append((frame.U_x, frame.F_bar))
-    if not checkpoint.done:
-        return Part((rows, checkpoint))
-    return NotConverged(checkpoint.failure) if checkpoint.failure else tuple(np.array(rows, dtype=np.float32).T)
-
-
-def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str | None:
-    """Return {"U" (nm), "F", "L" (N/m)} of the first slip of a run, None without one; a Part; or why it failed."""
-    frames, checkpoint = advance(scene, state, SLICE, limit=worker.SLOW)
-    for frame in frames:
-        if slips := slides_in(frame):
-            return {"U": slips[0].load, "F": slips[0].F_bar * frame.unit, "L": slips[0].L_bar * frame.unit}
-    if not checkpoint.done:
-        return Part(checkpoint)
-    return str(NotConverged(checkpoint.failure)) if checkpoint.failure else None
-
-
-def flat_friction(scene: Scene, state: Any = None) -> Any:
-    """Return the largest and the smallest F_bar of a run during sliding, and its increments; or Part, or the error."""
+def flat_frames(scene, state=None):
+    """Return the frames of a run, each with one node only, as all nodes of a flat are alike; or Part."""
     done, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
-    done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]  # all nodes of a flat are alike
-    if not checkpoint.done:
-        return Part((done, checkpoint))
+    done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]
     if checkpoint.failure:
-        return NotConverged(checkpoint.failure)
-    try:
-        force = friction_force(scene, done)
-    except ValueError as error:  # the run has not slid far enough
-        return error
-    return force.F_s, force.F_k, len(done)
+        raise NotConverged(checkpoint.failure)
+    return done if checkpoint.done else Part((done, checkpoint))
 
 
 def onset_of(scene: Scene, state: Any = None) -> Any:
@@ -213,8 +180,12 @@ def made_up_curve(scene: Scene, seed: int) -> tuple[Measurement | None, str | No
     return Measurement.of(U_x, {"F_bar": F_bar + noise[0], "L_bar": L_bar + noise[1]}, unit=unit), None
 
 
-def fitted(scene: Scene, measured: Any, free: tuple[str, ...]) -> Any:
-    """Return the Fit of parameters to a Measurement, or a sentence: why there is none."""
+def fitted(scene: Scene, measured: Any, free: tuple[str, ...]) -> Generator[None, None, Any]:
+    """Return the Fit of parameters to a Measurement, or a sentence: why there is none.
+
+    A generator without items: cancelling it ends its worker (see `jobs`).
+    """
+    yield from ()
     try:
         return fit(scene, measured, free)
     except (NotConverged, NotFollowed, ValueError) as error:

@@ -30,6 +30,7 @@ PARTS = 5  # of a message: header, metadata, content; for a file also its header
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
 SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
+CHANGES = {"ModelChanged", "MessageSent"}  # of widgets, and clicks
 CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event with an order
 
 connected = set()  # ids of the sessions whose browsers are connected
@@ -112,22 +113,38 @@ class MessageFilter(WSHandler):
         try:
             if self.parts > PARTS:
                 raise ValueError("a message of too many parts")
-            message = await self.receiver.consume(_bounded(fragment))
+            plain = self._is_plain()
+            message = await self.receiver.consume(fragment if plain else _bounded(fragment))
             if message is not None:
                 self.parts = 0
-                given = _orders(message)
+                given = [] if plain and is_change(message) else _orders(message)
                 self.silent = False
         except Exception as error:
             return self._reject(error)
         if message is not None and self._session is not None:
             with suppress(WebSocketClosedError):  # it has left
-                await self._answer(message, given)
+                await (self._apply(message) if plain else self._answer(message, given))
         await asyncio.sleep(0)  # Tornado awaits this for its whole buffer: other visitors have a turn
 
     async def send_message(self, message: Any) -> None:
         """Send a message, unless the browser has left meanwhile. Bokeh would log a warning for each one that waits."""
         with suppress(WebSocketClosedError):
             await message.send(self)
+
+    def _is_plain(self) -> bool:
+        """Whether the document is a page of app/lab, whose widgets Bokeh keeps up to date."""
+        context = self._session and self._session.document.session_context
+        return bool(context and context.request) and "lab" in context.request.arguments
+
+    async def _apply(self, message: Any) -> None:
+        """Let Bokeh apply changes of the widgets, or send the document. An error ends the connection."""
+        session = self._session
+        if message.msgtype == "PULL-DOC-REQ":
+            return await self.send_message(await self.handler.handle(message, self.connection))
+        try:
+            await self.send_message(await session.patch(message, self.connection))
+        except Exception as error:
+            self._reject(error)
 
     async def _answer(self, message, given):
         session = self._session
@@ -167,6 +184,16 @@ def _orders(message):
     if not all(isinstance(order, dict) for order in given):
         raise ValueError("an order without fields")
     return given
+
+
+def is_change(message: Any) -> bool:
+    """Whether a message only changes models, or asks for the document; raises ValueError for any other."""
+    if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ"):
+        raise ValueError("a message that no page sends")
+    kinds = {event["kind"] for event in message.content.get("events", ())}
+    if kinds - CHANGES:
+        raise ValueError("a message that adds to the document")
+    return True
 
 
 def decoded(value: Any, files: Sequence[Any] = ()) -> Any:

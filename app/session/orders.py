@@ -11,7 +11,7 @@ from app.session.controls import FOR_SERVER, PARAMETERS
 
 SMALL = 8000  # characters of an entry; more than any number needs
 LARGEST = 2_000_000  # bytes of a file; the browser checks this too
-FILES, FORMATS = ("profile", "measurement"), ("npz", "json")
+FILES, FORMATS = ("profile",), ("npz", "json")
 
 
 class Wire(DataModel):

@@ -111,11 +111,8 @@ class Session:
 
     @order("file", entry=orders.FILES.__contains__, text=orders.is_content)
     def read_file(self, entry: str, text: str) -> None:
-        """Read a CSV: a profile, whose surface is then on screen, or a measured curve for the open page."""
-        if entry == "profile":
-            self.reading.ask((tasks.measured, text), self._read, private=True)
-        else:
-            self.pages.order(text=text)
+        """Read the CSV of a profile, whose surface is then on screen."""
+        self.reading.ask((tasks.measured, text), self._read, private=True)
 
     def _read(self, made):
         profile, why = made or (None, "it could not be read; try again")
@@ -148,12 +145,7 @@ class Session:
         if not self.pages.open(page):
             self.notes = [f"There is no page “{page}”: Menu lists all. The experiment is shown."]
 
-    @order(
-        "ask",
-        **dict.fromkeys(("what", "of", "x", "y"), orders.is_text),
-        **dict.fromkeys(("E", "phi_t", "series"), orders.is_number),
-        free=orders.is_link,
-    )
+    @order("ask", **dict.fromkeys(("what", "of", "x", "y"), orders.is_text))
     def ask(self, **values: Any) -> None:
         """Pass the values of a page's own controls to the open page."""
         self.pages.order(**values)

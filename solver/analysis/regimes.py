@@ -2,8 +2,10 @@
 
 from math import inf
 
-from ..scene import Scene
-from .friction_laws import tau_max
+import numpy as np
+
+from ..scene import LIMITS, Scene, SceneError
+from .friction_laws import critical_modulus, friction, tau_max
 
 MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m: the line of E_c crosses the map
 END = 40.0  # nm, of a run that shows curves: 16 lattice periods of the default
@@ -11,6 +13,8 @@ STEP = 0.2  # delta_t, increments of a run that gives the friction: slips are lo
 # Times the shear at which springs bear tau_max, where the flat slips at the latest; and lattice periods beyond. Slips
 # land between two increments: with 1 and 3, fewer of them, means change by up to 2 %.
 SHEAR, PERIODS = 2.5, 3
+
+RATIOS = 200  # points of the curve of mean friction
 
 
 def flat(scene) -> Scene:
@@ -24,3 +28,18 @@ def sliding(scene, E) -> Scene:
     stiffer = scene.changed(E=float(f"{E:.6g}"))
     end = SHEAR * tau_max(scene) * stiffer.shear_compliance + PERIODS * scene.spacing
     return stiffer.changed(u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
+
+
+def mean_friction(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """(E/tau_max (k,), mean friction of Eq. 7 over w tau_max (k,)) of a flat, in closed form; raises SceneError.
+
+    Mean friction depends only on this ratio and on the layer.
+    """
+    own = scene.changed(phi_n=2.0, phi_ratio=0.1)
+    ratios = critical_modulus(own) / tau_max(own) * np.geomspace(1e-4, 10.0, RATIOS)
+    low, high = LIMITS["E"][:2]
+    ratios = ratios[(ratios * tau_max(own) >= low) & (ratios * tau_max(own) <= high)]
+    if ratios.size == 0:
+        allowed = f"allowed here: one with friction between E = {low:g} and {high:g} GPa"
+        raise SceneError("delta_t", own.delta_t, allowed, "make it smaller, or use fewer nodes")
+    return ratios, np.array([friction(own.changed(E=ratio * tau_max(own))).mean * ratio for ratio in ratios])

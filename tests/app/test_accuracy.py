@@ -1,16 +1,10 @@
 """Cautions about questionable parameters, and the accuracy measurement in the app."""
 
-import re
-
 import pytest
-from served import PATIENCE, finished
-from visitor import Page, order
+from visitor import Page
 
-from app.service import bench
-from app.service.pool import HEAVY
 from solver import Scene, simulate, whole_surface
 from solver.cautions import cautions
-from solver.isolated import Lost
 from solver.run.frame import largest_overlap
 
 
@@ -82,105 +76,3 @@ def test_cautions_are_published_after_new_and_known_runs(pool):
     assert page.session.run.packed.widest == other.session.run.packed.widest > 0.0
     page.session.close()
     other.session.close()
-
-
-def measuring(session):
-    """The task of the measurement that was begun last."""
-    return [task for task in session.jobs.pool.tasks if task.call[0] is bench.work][-1]
-
-
-def measurement(session):
-    return session.pages.page.report
-
-
-def test_an_accuracy_measurement_reports_its_points_and_is_cancelled_by_another_scene(session):
-    order(session, "page", page="accuracy")
-    order(session, "ask", what="measure")
-    task = measuring(session)
-    assert measurement(session)["state"] == "waiting" and task.rank == HEAVY
-    task.hear({"state": "measuring", "progress": 0.5, "points": []})
-    assert measurement(session)["state"] == "measuring" and page_state(session)["texts"]["accuracy-state"] == "50%"
-    order(session, "scene", E="80")
-    assert measurement(session)["state"] == "cancelled" and measurement(session)["why"] == "the scene has changed"
-    assert task.cancelled()
-    task.hear({"state": "measuring", "progress": 0.6, "points": []})
-    assert measurement(session)["state"] == "cancelled"
-
-
-def test_a_measurement_that_takes_too_long_is_reported_with_advice(session):
-    order(session, "page", page="accuracy")
-    order(session, "ask", what="measure")
-    measuring(session).set_exception(Lost("hang", "no answer"))
-    assert measurement(session)["state"] == "failed" and "less expensive scene" in measurement(session)["why"]
-
-
-def test_an_empty_accuracy_report_has_no_points():
-    assert bench.points(None) == []
-
-
-def page_state(session):
-    return session.pages.page.published
-
-
-def test_measured_accuracy_survives_closing_the_page_and_names_its_scene(session):
-    point = {"series": "fast", "tolerance": 1e-5, "seconds": 0.03, "evaluations": 700, "error": 2e-6}
-    order(session, "page", page="accuracy")
-    assert page_state(session)["texts"]["accuracy-state"].startswith("takes")
-    session.pages.page.report["scene"] = session.scene
-    session.pages.page._show({"state": "done", "points": [point], "sentence": "It is right."})
-    order(session, "page", page="")
-    order(session, "page", page="accuracy")
-    texts = page_state(session)["texts"]
-    assert texts["accuracy-state"] == "done" and texts["accuracy-sentence"] == "It is right."
-    for work in ("seconds", "evaluations"):
-        view = session.pages.page.views[work]
-        for label in ("mark fast", "fast"):
-            assert view.parts[label].data_source.data[work] == [point[work]]
-        assert view.parts["fast"].data_source.data["text"] == ["1e−5"]
-        assert view.figure.x_range.start < point[work] < view.figure.x_range.end
-    order(session, "scene", E="80")
-    assert page_state(session)["texts"]["accuracy-state"].endswith("E = 70 GPa")
-
-
-@pytest.mark.thorough
-@pytest.mark.browser
-def test_accuracy_measurement_shows_progress_beside_the_live_experiment(look):
-    page = look("?nodes=64&width=160&radius=1&u_x_max=8&du_x=0.2&du_z=0.5&page=accuracy")
-    finished(page)
-    page.get_by_role("button", name="Measure now").click()
-    page.wait_for_function("0 < document.querySelector('#accuracy progress').value", timeout=PATIENCE)
-    page.wait_for_function("document.getElementById('accuracy-state').textContent === 'done'", timeout=PATIENCE)
-    assert "tolerance" in page.locator("#accuracy-sentence").text_content()
-    assert "python -m solver accuracy --quick" in page.locator("#accuracy-others").text_content()
-    assert page.locator("#accuracy progress").is_hidden()
-    for plot in ("seconds", "evaluations"):
-        page.locator(f"#accuracy [data-view=accuracy_{plot}]").click()
-        page.locator("#table").wait_for()
-        rows = page.locator("#table tbody tr").all_inner_texts()
-        for series in ("fast", "gfmd"):
-            assert any(re.match(rf"{series}\t.*\t1e−\d+$", row) for row in rows)
-        page.keyboard.press("Escape")
-        page.locator("#table").wait_for(state="hidden")
-    assert page.evaluate("punch.status.run - before") == 1
-
-
-@pytest.mark.thorough
-@pytest.mark.browser
-def test_accuracy_measurement_is_cancelled_by_its_button_and_by_a_slider(look):
-    page = look("?page=accuracy")
-    finished(page)
-    state = page.locator("#accuracy-state")
-    for run, end in ((1, "Cancel"), (2, "ArrowRight")):
-        page.get_by_role("button", name="Measure now").click()
-        page.wait_for_function("document.getElementById('accuracy-state').textContent.endsWith('%')", timeout=PATIENCE)
-        if end == "Cancel":
-            page.locator("#accuracy").get_by_role("button", name="Cancel").click()
-            page.wait_for_function("document.getElementById('accuracy-state').textContent === 'cancelled'")
-        else:
-            page.focus("#delta_bar")
-            page.keyboard.press("ArrowRight")
-            page.wait_for_function(
-                "document.getElementById('accuracy-state').textContent.includes('scene has changed')", timeout=PATIENCE
-            )
-        finished(page, run=run)
-    assert "cancelled" in state.text_content()

@@ -356,3 +356,15 @@ def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog
     assert "ZeroDivisionError" in caplog.text and "Traceback" in caplog.text
     why = session.status["why"]
     assert "its log" in why and "division" not in why and "Error" not in why
+
+
+@pytest.mark.parametrize(
+    ("kind", "accepted"), [("ModelChanged", True), ("MessageSent", True), ("RootAdded", False), ("TitleChanged", False)]
+)
+def test_a_research_page_accepts_changes_of_widgets_and_clicks_only(kind, accepted):
+    message = SimpleNamespace(msgtype="PATCH-DOC", content={"events": [{"kind": kind}]})
+    if accepted:
+        assert message_filter.is_change(message)
+    else:
+        with pytest.raises(ValueError, match="adds to the document"):
+            message_filter.is_change(message)

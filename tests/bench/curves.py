@@ -1,16 +1,20 @@
 """Error against run time by four methods, and the branches that they reach: the solver, and three transients.
 
-    python tests/bench/curves.py [--quick] [--set NAME=VALUE ...] [--picture FILE] [--json FILE]
+    python tests/bench/curves.py [--quick] [--set NAME=VALUE ...] [--picture FILE] [--page]
+                                 [--json FILE]
 
 Sweeps the tolerance of one scene as `python -m solver accuracy` does, with mass-weighted GFMD and FIRE beside the
 paper's GFMD (tests/shared/transients.py). Then it compares states after each slip with those of the paper's GFMD from
 equilibrium to equilibrium (`Halving`). Slips whose landing is sensitive are left out: the transient itself bifurcates.
---picture draws the sweep, docs/accuracy.png, with the extra `docs`.
+--picture draws the sweep, docs/accuracy.png, with the extra `docs`. --page writes what the page "Accuracy" opens with.
 """
 
+import json
+import sys
 from dataclasses import asdict
 from itertools import pairwise
 from math import inf
+from pathlib import Path
 
 import numpy as np
 from scenes import options, write
@@ -20,6 +24,11 @@ from solver import NotConverged, Scene, load_path, scene_from_text, whole_surfac
 from solver.accuracy.compare import in_range
 from solver.accuracy.measure import SERIES, measure, shortened
 
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "docs"))
+from evidence import origin  # noqa: E402
+
+PAGE = ROOT / "app" / "lab" / "accuracy.json"
 METHODS = SERIES | {"gfmd mass-weighted": MassWeighted, "FIRE": Fire}
 # Colours of Okabe & Ito, which colour-blind readers distinguish; markers for print
 STYLE = dict(zip(METHODS, (("#0072B2", "o"), ("#D55E00", "s"), ("#009E73", "^"), ("#CC79A7", "D")), strict=True))
@@ -93,6 +102,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="one slip and fewer tolerances")
     parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE", help="parameters of the scene")
     parser.add_argument("--picture", metavar="FILE", help="draw the sweep")
+    parser.add_argument("--page", action="store_true", help=f"write {PAGE.name} of the app, for the default scene")
     chosen = parser.parse_args()
     scene = scene_from_text(dict(pair.split("=", 1) for pair in chosen.set)) if chosen.set else Scene()
     *_, (_, report) = measure(scene, chosen.quick, series=METHODS)
@@ -105,6 +115,9 @@ def main():
     print("Where the paper's GFMD is after a slip:", ", ".join(f"{n} {a} of {b}" for n, (a, b) in counts.items()))
     if chosen.picture:
         picture(points, chosen.picture)
+    if chosen.page:
+        own = [asdict(p) for p in points if p.series in SERIES]
+        PAGE.write_text(json.dumps(origin() | {"points": own}, indent=1) + "\n", encoding="utf-8")
     write(chosen.json, {"points": [asdict(p) for p in points], "branches": counts})
 
 

@@ -8,23 +8,16 @@ from served import PATIENCE, faults_at, finished, found_by_axe, laid_out
 from tabs import imported
 
 from app.pages import listed
-from solver import Scene, load_path, release_rates, simulate
+from solver import Scene, release_rates, simulate
 
 thorough = pytest.mark.thorough
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 COUNT = f"{MODEL}?.data_source.data.{{}}.length"
 DRAWN = {  # page: condition that its result is drawn
     "law": f"({COUNT.format('law_shear_map.stick', 's')} > 50 && document.getElementById('law-stick').textContent)",
-    "stickslip": f"({COUNT.format('stickslip_mean.runs', 'ratio')} === 9"
-    f" && {COUNT.format('stickslip_forces.fig4a-blue', 'F')} > 400)"
-    " && document.getElementById('stickslip-text').textContent && document.querySelector('#stickslip progress').hidden",
-    "arealaws": "document.querySelectorAll('#arealaws-rows tr').length === 10"
-    " && document.querySelectorAll('#arealaws-series tr').length > 2",
     "load": "(parseInt(document.getElementById('load-count').textContent) > 0)",
     "matters": "(document.querySelectorAll('#matters-bars button').length > 5)",
     "regimes": "document.getElementById('regimes-text').textContent.includes(' points')",  # its first tile
-    "fit": f"({COUNT.format('fit_curve.run', 'U_x')} > 50)",
-    "accuracy": "document.getElementById('accuracy-state').textContent.includes('takes')",
 }
 SMALL = {"nodes": 256, "width": 625.0, "du_x": 0.5, "du_z": 0.5}  # inexpensive, for maps and area laws
 QUICK = "&".join(f"{name}={value:g}" for name, value in SMALL.items())
@@ -32,8 +25,6 @@ TINY = "nodes=64&width=160&radius=0.6&du_x=0.5&du_z=0.5"  # for pages of many ru
 SIZES = (390, 844), (844, 390), (768, 1024), (1280, 720), (1920, 1080), (720, 450)
 WITHOUT = {  # page: why its plots have no numbers at once
     "matters": "it has no figures",
-    "fit": "its figures need a measurement",
-    "accuracy": "a measurement takes minutes",
     "load": "it has one point per run",
 }
 
@@ -42,7 +33,7 @@ WITHOUT = {  # page: why its plots have no numbers at once
 def opened(request, shared_tab):
     """(name, tab): each page once, drawn, for all tests that look at it."""
     name = request.param
-    page = shared_tab.show(f"?view=hero&page={name}&{TINY if name in ('arealaws', 'regimes') else QUICK}")
+    page = shared_tab.show(f"?view=hero&page={name}&{TINY if name == 'regimes' else QUICK}")
     page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
     yield name, page
     shared_tab.check()
@@ -129,23 +120,13 @@ def test_every_plot_of_a_page_can_be_read_as_a_table(opened):
 
 
 @thorough
-def test_tables_of_area_laws_lie_beside_each_other_on_a_desktop(look):
-    page = look("?view=hero&page=arealaws")
-    page.wait_for_function(f"() => {DRAWN['arealaws']}", timeout=PATIENCE)
-    page.set_viewport_size({"width": 1440, "height": 900})
-    laid_out(page)
-    left, right = (page.locator(".tables table").nth(k).bounding_box() for k in (0, 1))
-    assert left["x"] + left["width"] <= right["x"]
-
-
-@thorough
 def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(look):
     page = look()
     finished(page)
     # what still belongs to the document: Bokeh itself looks but every half minute
     count = "new Set(Bokeh.documents[0].roots().flatMap((root) => [...root.references()])).size"
     before = page.evaluate(count)
-    for name in ("law", "stickslip"):
+    for name in ("law", "load"):
         page.get_by_role("button", name=listed()[name].TITLE).click()
         page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
         assert page.locator(".sheet:visible").count() == 1
@@ -196,15 +177,6 @@ def test_nodes_lie_on_the_curve_of_the_interface_law(look):
 
 
 @thorough
-def test_fit_page_axes_show_the_current_run_before_a_measurement_is_loaded(look):
-    page = look("?page=fit")
-    figure = MODEL.format("fit_curve").replace("=== 'fit_curve'", "=== 'fit_curve' && model.y_range")
-    page.wait_for_function(f"() => {figure}?.y_range.end > 100", timeout=PATIENCE)
-    ends = page.evaluate(f"(({{ x_range, y_range }}) => [x_range.end, y_range.start])({figure})")
-    assert ends[0] == pytest.approx(40) and ends[1] < page.evaluate("Math.min(...punch.run.shear('L'))")
-
-
-@thorough
 def test_page_what_matters_marks_the_punch_while_it_is_open_and_a_bar_raises_its_parameter(look):
     page = look()
     colours = """(() => {
@@ -231,14 +203,14 @@ def test_close_button_and_back_close_a_page_and_undo_no_change(visit):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     opened = "document.querySelector('.page').dataset.page"
-    for leave in (page.go_back, lambda: page.locator("#fit .close").click()):
-        page.evaluate("document.querySelector('nav button[data-page=fit]').click()")
+    for leave in (page.go_back, lambda: page.locator("#law .close").click()):
+        page.evaluate("document.querySelector('nav button[data-page=law]').click()")
         page.wait_for_function(
-            "!document.getElementById('fit').dataset.drawing && !document.getElementById('fit').hidden"
+            "!document.getElementById('law').dataset.drawing && !document.getElementById('law').hidden"
         )
         leave()
         page.wait_for_function(f"{opened} === '' && !new URLSearchParams(location.search).has('page')")
-    page.evaluate("document.querySelector('nav button[data-page=fit]').click()")
+    page.evaluate("document.querySelector('nav button[data-page=law]').click()")
     page.fill("#E-entry", "90")
     page.keyboard.press("Enter")
     page.wait_for_function("punch.status.values.E === 90 && location.search.includes('E=90')")
@@ -260,29 +232,6 @@ def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
     page.wait_for_function("document.querySelector('#regimes-at').textContent.startsWith('Point')")
     page.select_option("#regimes-y", "phi_ratio")
     assert page.input_value("#regimes-x") == "delta_bar"
-
-
-@thorough
-def test_a_rejected_file_keeps_the_measurement_in_use(look):
-    page = look("?page=fit")
-    curve = "U_x (nm),F (N/m)\n" + "".join(f"{k},{2.0 * k}\n" for k in range(1, 20))
-    for name, text in (("good.csv", curve), ("bad.csv", "nonsense")):
-        page.set_input_files("#measurement", {"name": name, "mimeType": "text/csv", "buffer": text.encode()})
-        page.wait_for_function("() => document.getElementById('measurement').value === ''")
-        assert page.inner_text("#fit-of") == "good.csv"
-    assert page.inner_text("#fit-text").endswith("stays.")
-
-
-@thorough
-def test_clicking_the_stick_slip_map_loads_that_flat_scene(look):
-    page = look("?page=stickslip")
-    finished(page)
-    page.wait_for_function(f"() => {DRAWN['stickslip']}", timeout=PATIENCE)
-    box = page.locator("#stickslip figure >> nth=2").locator(".view").bounding_box()
-    page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.6 * box["height"])
-    page.wait_for_function("() => punch.status.values.surface === 'flat'", timeout=PATIENCE)
-    finished(page, run=2)
-    assert "preset=fig4a-blue" in page.url and page.evaluate("punch.status.values.E") > 200
 
 
 @thorough
@@ -327,7 +276,7 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
             const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
             window.ordered = []
             wire.properties.order.change.connect(() => ordered.push(wire.order))
-            for (const name of ["stickslip", "law", "load", "arealaws", "stickslip", "law"]) {
+            for (const name of ["load", "law", "matters", "load", "law"]) {
                 document.querySelector(`nav button[data-page=${name}]`).click()
             }
             return getComputedStyle(document.querySelector("#law .figures"), "::after").content
@@ -375,32 +324,3 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     page.wait_for_function(changed, timeout=PATIENCE)
     finished(page, run=2)
     assert page.evaluate("punch.run.scene.delta_bar === punch.status.values.delta_bar && !punch.run.followed")
-
-
-@thorough
-def test_an_uploaded_curve_is_fitted_a_fit_can_be_cancelled_and_its_values_applied(look):
-    """The curve is that of a softer layer, without noise: the fit finds its modulus to one per cent."""
-    small = {"nodes": 64, "width": 160.0, "radius": 0.6, "delta_bar": 0.1, "u_x_max": 12.0, "du_z": 0.5}
-    frames = load_path(Scene(**small, E=30.0))
-    rows = [f"{frame.U_x},{frame.F_bar * frame.unit}" for frame in frames if frame.stage == "shear" and frame.U_x > 0]
-    page = look(f"?page=fit&E=36&{'&'.join(f'{name}={value:g}' for name, value in small.items())}")
-    file = {"name": "softer.csv", "mimeType": "text/csv", "buffer": "\n".join(["U_x (nm),F (N/m)", *rows]).encode()}
-    page.set_input_files("#measurement", file)
-    page.wait_for_function("!document.getElementById('fit-go').disabled", timeout=PATIENCE)
-    for box in page.locator("#fit-free input").all():
-        box.set_checked(box.get_attribute("name") == "E")
-    page.evaluate(  # as soon as it is offered
-        """() => {
-            const cancel = document.querySelector("#fit [data-ask=cancel]")
-            new MutationObserver((_, watch) => { if (!cancel.hidden) { watch.disconnect(); cancel.click() } })
-                .observe(cancel, { attributes: true })
-        }"""
-    )
-    page.locator("#fit-go").click()
-    page.locator("#fit-text", has_text="Cancelled.").wait_for(timeout=PATIENCE)
-    page.locator("#fit-go").click()
-    page.locator("#fit-values tbody tr").first.wait_for(timeout=PATIENCE)
-    page.locator("#fit-show").click()
-    page.wait_for_function("punch.status.values.E !== 36", timeout=PATIENCE)
-    finished(page, run=2)
-    assert page.evaluate("punch.status.values.E") == pytest.approx(30.0, rel=0.01)

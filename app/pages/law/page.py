@@ -14,11 +14,9 @@ import numpy as np
 from bokeh.models.glyphs import Line, Scatter
 
 from app.pages import Sheet
-from app.pages.notebook import shown
 from app.schema import EDGES, RIDERS
 from app.service import tasks
 from app.views.plots import add_zero, blank, draw, draw_image
-from solver import Scene
 from solver.mechanics import cohesive_law
 
 TITLE, ORDER = "Interface law", 1
@@ -74,11 +72,6 @@ def _toughness():
     for label, edge in EDGES.items():
         draw(plot, Scatter, label, edge.colour, "angle", "value", marker=edge.marker, size=edge.size)
     return plot
-
-
-def figure(scene: Scene) -> Any:
-    """Return the figures for a Scene, for a notebook."""
-    return shown(compose, Page, scene)
 
 
 class Page(Sheet):

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from app.pages import Sheet
-from app.pages.notebook import shown
 from app.service import metrics, tasks
 from app.service.cache import Cache
 from app.views.plots import blank, draw, draw_image
@@ -64,11 +63,6 @@ def compose() -> list[Any]:
     draw(plot, Text, "names", "", "i", "j", "name", **look)
     draw(plot, Scatter, "own", "--cut", "i", "j", marker="diamond", size=14)
     return [plot]
-
-
-def figure(scene: Scene) -> Any:
-    """Return the figures for a Scene, for a notebook."""
-    return shown(compose, Page, scene)
 
 
 class Page(Sheet):

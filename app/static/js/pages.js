@@ -4,9 +4,8 @@
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
-import { by, makeButton, makeRow, readdress } from "./dom.js"
+import { by, readdress } from "./dom.js"
 import { adopt, drawn, forget, shade } from "./figures.js"
-import { minus } from "./quantities.js"
 import { cover, declared, me, redraw, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
@@ -22,10 +21,17 @@ export function connect(given) {
   for (const button of document.querySelectorAll(".sheet [data-ask]")) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
+  for (const link of document.querySelectorAll("nav a")) link.addEventListener("click", bringScene)
   addEventListener("popstate", showAddressed)
   view(["look"], shadeImages)
   view(["picture"], () => framePage("frame"))
   cover(["picture"], () => framePage("over"))
+}
+
+// A research page opens with the scene on screen
+function bringScene({ currentTarget: link }) {
+  const { theme } = document.documentElement.dataset
+  link.search = new URLSearchParams({ lab: link.dataset.lab, theme, ...me.status.address })
 }
 
 export function openAsked() {
@@ -100,7 +106,6 @@ export function receive(news) {
   sheet = news
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
   for (const id in sheet.hidden) by(id).hidden = sheet.hidden[id]
-  for (const id in sheet.tables) by(id).replaceChildren(...sheet.tables[id].map((cells) => makeRow(cells.map(cellOf))))
   shadeImages()
   for (const part of by(sheet.open)?.querySelectorAll("progress, [data-ask=cancel]") ?? []) {
     part.hidden = (sheet.busy ?? null) === null
@@ -109,9 +114,6 @@ export function receive(news) {
   call("receive", sheet)
   framePage("frame")
 }
-
-const cellOf = (cell) => (typeof cell === "string" ? minus(cell)
-  : makeButton({ "aria-pressed": cell.pressed, onclick: () => ask(cell.ask) }, cell.label))
 
 // Until the figures are on screen, the page says so
 function awaitFigures(name) {

@@ -62,16 +62,12 @@ export function openTable({ dataset: { view }, parentElement: caption }) {
 const GRID = [9, 9] // values of an image in its table, across and down
 const UNSAID = /^(zero$|way |mark )/ // lines that only guide the eye, and dots that are named beside them
 const SAID = { // what is drawn on a page, where its label is not what it is called
-  own: "on screen", low: "ultra low friction", stick: "nodes that stick", slip: "nodes past the peak",
+  own: "on screen", stick: "nodes that stick", slip: "nodes past the peak",
   open: "free nodes",
   delta_bar: "press depth", phi_ratio: "friction to adhesion", E: "stiffness", another: "another parameter",
-  several: "another experiment", law: "all sites", spring: "one spring", field: "stress", fits: "fit, Eq. 8",
-  onsets: "onset", exact: "exact",
+  several: "another experiment", law: "all sites", spring: "one spring", field: "stress",
 }
-const MARKS = "●■▲◆★" // of the series on the page Area laws (app/pages/arealaws/page.py)
-const called = (label) => SAID[label]
-  ?? label.replace(/^(line|points|beyond)(\d)$/, (_, what, k) =>
-    `${MARKS[k]} ${{ line: "Eq. 9", points: "runs", beyond: "beyond the fit" }[what]}`)
+const called = (label) => SAID[label] ?? label
 
 // All that a figure of a page shows: points of curves and dots, and of an image values on a grid
 function openData(name, title) {

@@ -1,0 +1,63 @@
+"""Research pages: plain Panel apps at `app?lab=NAME`, with a scene in the address, and in a notebook.
+
+    from app.lab.accuracy import view; view(Scene(E=140))
+
+A page is a module of PAGES with view(scene), a Viewable of Panel; base.py has what they share.
+"""
+
+import logging
+from importlib import import_module
+from typing import Any
+
+import panel as pn
+from bokeh.models import CustomJS
+from panel.io.resources import LOCAL_DIST
+
+from app.lab.base import back
+from app.session.controls import scene_from_address
+
+log = logging.getLogger("app")
+PAGES = {"stick_slip": "Stick-slip", "area_laws": "Area laws", "fit": "Fit", "accuracy": "Accuracy"}
+BUG = "The page could not be opened. See the server's log, then reload the page."
+ICON = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg'/%3E"
+# Panel's sliders and their entries have no names for screen readers. This gives them that of the label before them.
+NAMES = """
+    let label = ""
+    const visit = (root) => {
+        for (const e of root.querySelectorAll("*")) {
+            if (e.matches(".bk-clearfix")) label = e.textContent.replace(/:$/, "")
+            const sign = e.matches(".bk-spin-btn-up") ? " +" : e.matches(".bk-spin-btn-down") ? " −" : ""
+            if (sign || e.matches(".noUi-handle, #input")) e.setAttribute("aria-label", label + sign)
+            if (e.matches("progress")) e.setAttribute("aria-label", "Progress")
+            if (e.shadowRoot) visit(e.shadowRoot)
+        }
+    }
+    visit(document)
+"""
+
+
+def module(name: str) -> Any:
+    """Return the module of a page. The first call imports HoloViews, which takes a second."""
+    return import_module(f"{__name__}.{name}")
+
+
+def serve() -> None:
+    """Add the page that the address names to the current document."""
+    doc, arguments = pn.state.curdoc, pn.state.session_args
+    name, theme = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
+    doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
+    doc.js_on_event("document_ready", CustomJS(code=NAMES))
+    pn.extension("tabulator", theme="dark" if theme == "dark" else "default")
+    scene, _, notes = scene_from_address(arguments)
+    page = back(scene)
+    try:
+        if name in PAGES:
+            page = module(name).view(scene)
+            log.info("a visitor opened the page %s", name)
+        else:
+            notes.append(f"There is no page “{name[:40]}”. The menu of the experiment lists all.")
+    except Exception:
+        log.exception("a research page could not be built")
+        notes.append(BUG)
+    alerts = [pn.pane.Alert(note, alert_type="warning") for note in notes]
+    pn.Column(*alerts, page, sizing_mode="stretch_width").servable(title=PAGES.get(name, "Research pages"))

@@ -1,0 +1,120 @@
+"""What the research pages share: a scene with sliders, one computation at a time, and the text about its result."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Coroutine
+from functools import partial
+from html import escape
+from typing import Any
+from urllib.parse import urlencode
+
+import panel as pn
+import param
+
+from app.limits import DEFAULT
+from app.session.controls import CONTROLS, RANGES, address_of, changed_scene
+from solver import NotConverged, Scene
+from solver.isolated import Lost
+
+log = logging.getLogger("app")
+BUG = "It could not be computed. See the server's log, then reload the page."
+PAUSE = 0.2  # s without a change of the sliders before a computation begins
+WIDE = {"flex": "1 1 420px", "min-width": "0"}  # of plots beside each other, where there is room for two
+
+
+def back(scene: Scene) -> Any:
+    """Return the link to the experiment with a scene, in the same theme."""
+    theme = pn.state.session_args.get("theme", [b""])[-1].decode("ascii", "replace")
+    values = address_of(scene, DEFAULT) | ({"theme": theme} if theme in ("dark", "light") else {})
+    return pn.pane.HTML(f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>')
+
+
+class LabPage(param.Parameterized):
+    """A page about a scene. Subclasses have TITLE, STATEMENT, `compute` and `content`."""
+
+    TITLE = STATEMENT = ""
+    scene: Any = param.ClassSelector(class_=Scene)
+    share = param.Number(default=None, allow_None=True, doc="done of the computation, 0..1; None: nothing is computed")
+    text = param.String(doc="result in words, or why there is none")
+
+    def __init__(self, scene=None):
+        super().__init__(scene=scene or Scene())
+        self._task, self._sliders = None, {}
+
+    async def compute(self) -> None:
+        """Compute for the scene."""
+
+    def content(self) -> list[Any]:
+        """Return the plots and tables, a list of Viewables."""
+        return []
+
+    def view(self) -> pn.viewable.Viewable:
+        """Return the Viewable of the page; it computes as soon as it is shown."""
+        if pn.state.curdoc:
+            pn.state.on_session_destroyed(lambda context: self.cancel())
+        busy, done = (
+            self.param.share.rx.is_not(None),
+            pn.bind(lambda share: round(100 * (share or 0)), self.param.share),
+        )
+        progress = pn.indicators.Progress(value=done, visible=busy)
+        cancel = pn.widgets.Button(label="Cancel", on_click=self.cancel, visible=busy)
+        heading = [pn.bind(back, self.param.scene)] if "lab" in pn.state.session_args else []
+        heading.append(pn.pane.Markdown(f"# {self.TITLE}\n{self.STATEMENT}"))
+        pn.state.onload(self.start)
+        sliders = pn.FlexBox(*(self._slider(control) for control in CONTROLS))
+        look = ["pre { white-space: pre-wrap; font: inherit }"]
+        words = pn.pane.Str(self.param.text, sizing_mode="stretch_width", stylesheets=look)
+        return pn.Column(*heading, sliders, pn.Row(progress, cancel), words, *self.content())
+
+    def start(self, compute: Callable[[], Coroutine[Any, Any, None]] | None = None) -> None:
+        """Compute in place of what is computed now."""
+        param.parameterized.async_executor(partial(self._run, compute or self.compute))
+
+    def cancel(self, *events: Any) -> None:
+        """End the computation, which frees its worker."""
+        if self._task:
+            self._task.cancel()
+            self._task, self.share, self.text = None, None, "Cancelled."
+
+    async def _run(self, compute):
+        self.cancel()
+        self._task = task = asyncio.current_task()
+        self.param.update(share=0.0, text="")
+        try:
+            await asyncio.sleep(PAUSE)
+            await compute()
+        except asyncio.CancelledError:
+            return
+        except (Lost, NotConverged, ValueError) as error:
+            self.text = f"{error}".rstrip(".") + "."
+        except Exception:
+            log.exception("a research page failed")
+            self.text = BUG
+        if self._task is task:
+            self._task, self.share = None, None
+
+    def _slider(self, control):
+        limits, value = RANGES[control.name], getattr(self.scene, control.name)
+        name = f"{control.label} {control.symbol}" + f" ({control.unit})" * bool(control.unit)
+        ends = {"start": control.low, "end": control.high, "fixed_start": limits.low, "fixed_end": limits.high}
+        slider = pn.widgets.EditableFloatSlider(
+            label=name, value=value, step=0.01 if control.high < 10 else 1.0, **ends
+        )
+        self._sliders[control.name] = slider
+        slider.param.watch(partial(self._change, control.name), "value")
+        return slider
+
+    def show(self, scene: Scene) -> None:
+        """Go to another scene."""
+        self.scene = scene
+        for name, slider in self._sliders.items():
+            slider.value = getattr(scene, name)
+        self.start()
+
+    def _change(self, name, event):
+        scene, errors = changed_scene(self.scene, {name: f"{event.new!r}"})
+        if errors:
+            self.text = errors[name]
+        elif scene != self.scene:
+            self.scene = scene
+            self.start()

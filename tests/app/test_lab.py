@@ -1,0 +1,164 @@
+"""The research pages in Python: each is a Viewable that computes, from a scene alone."""
+
+import asyncio
+from functools import partial
+
+import numpy as np
+import panel as pn
+import pytest
+
+from app import lab
+from app.lab import accuracy, area_laws, fit, stick_slip
+from app.service.pool import pool
+from solver import Scene, load_path
+from solver.accuracy.compare import Point
+from solver.analysis.friction_laws import onset
+from solver.analysis.regimes import flat
+from solver.presets import presets
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
+ROWS = "".join(f"{k},{k * 2.0}\n" for k in range(1, 20)).encode()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def workers():
+    """The pool that pages use; it ends with this file."""
+    yield pool
+    pool.close()
+
+
+def text_of(viewable):
+    return " ".join(str(pane.object) for pane in viewable.select(pn.pane.Str))
+
+
+def test_titles_of_the_menu_are_those_of_the_pages():
+    assert {name: lab.module(name).TITLE for name in lab.PAGES} == lab.PAGES
+
+
+def test_accuracy_measures_a_scene_without_a_server():
+    page = accuracy.view(SMALL)
+    assert isinstance(page, pn.viewable.Viewable)
+    assert "Tolerance 1e-08 nm gives F, L and A to" in text_of(page)
+
+
+def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs():
+    page = stick_slip.StickSlip(presets()["fig4a-blue"].scene)
+    assert isinstance(page.view(), pn.viewable.Viewable)
+    for name, label in stick_slip.FLATS.items():
+        scene = flat(presets()[name].scene)
+        frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
+        U, F = page.forces[label]
+        at = np.isin(U, [frame.U_x for frame in frames])
+        assert F[at] == pytest.approx([1000 * frame.F_bar * scene.E / 70 for frame in frames], rel=1e-9, abs=1e-9)
+    ratios, means = page.exact
+    assert len(page.means) == 9
+    expected = np.interp(np.log(list(page.means)), np.log(ratios), means)
+    assert list(page.means.values()) == pytest.approx(expected, abs=0.02)  # a run stops every 0.2 nm of the drop
+    assert "stick, and slip first" in page.text
+
+
+def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders():
+    page = stick_slip.StickSlip(SMALL)
+    page.go_to(np.log10(200.0), np.log10(0.02))
+    scene = page.scene
+    assert (scene.surface, scene.E, scene.phi_ratio, scene.delta_bar) == ("flat", 200.0, 0.01, 0.0)
+
+
+def test_area_laws_shows_figure_8_of_the_paper_with_the_fitted_laws():
+    page = area_laws.AreaLaws(Scene())
+    assert isinstance(page.view(), pn.viewable.Viewable)
+    assert list(page.results) == [area_laws.OWN, *area_laws.PAPER] and page.text == ""
+    assert page.results[area_laws.OWN].keys() == set(area_laws.DEPTHS)
+    for name, scene in list(area_laws.PAPER.items())[:2]:
+        runs = {depth: onset(scene.changed(delta_bar=depth)) for depth in area_laws.DEPTHS[-3:]}
+        for depth, exact in runs.items():
+            found = page.results[name][depth]
+            assert (found["F_s"], found["A_s"]) == pytest.approx((exact.F_s, exact.A_s), rel=1e-9)
+    rows = area_laws.quadratic_table(page.results[page.shown])
+    assert len(rows) == len(area_laws.DEPTHS) and rows["ζ"].iloc[0] == "–"  # without contact
+
+
+def test_a_flat_has_no_area_laws():
+    page = area_laws.AreaLaws(SMALL.changed(surface="flat"))
+    page.view()
+    assert "no edge that can peel" in page.text and not any(page.results.values())
+
+
+def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_sliders(monkeypatch):
+    monkeypatch.setattr(fit, "randrange", lambda most: 1)
+    page = fit.Fit(SMALL)
+    assert isinstance(page.view(), pn.viewable.Viewable) and len(page.curve[0]) > 50
+    page.start(page.example)
+    assert "400 points" in page.text and page.truth.keys() == set(fit.FREE.values())
+    page.start(page.fit)
+    assert page.found.values["phi_ratio"] == pytest.approx(page.truth["phi_ratio"], rel=0.1)
+    table = page.table(page.found)
+    assert list(table["parameter"]) == ["friction / adhesion φₜ/φₙ", "press depth δ/δ₀"]
+    page.apply(None)
+    assert page.scene.phi_ratio == float(f"{page.found.values['phi_ratio']:.5g}")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "Not read"),
+        (b"U_x,F\n1,2\n1,x\n", "line 3: F = 'x'"),
+        (b"U_x (nm),F (mN)\n" + ROWS, "divide it by the width of the contact"),
+        (b"\xff\xfe\x00", "Not read"),
+        (b"1" * 2_000_001, "2000001 bytes; allowed: 2000000"),
+    ],
+)
+def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content, said):
+    page = fit.Fit(SMALL)
+    page.start(partial(page.read, b"U_x,F\n" + ROWS))
+    assert "19 points" in page.text
+    page.start(partial(page.read, content))
+    assert said in page.text and page.measured.U_x.size == 19
+
+
+def test_no_fit_starts_without_a_measurement_or_a_free_parameter():
+    page = fit.Fit(SMALL)
+    page.start(page.fit)
+    assert page.text.startswith("There is no measurement")
+    page.start(partial(page.read, b"U_x,F\n" + ROWS))
+    page.free = []
+    page.start(page.fit)
+    assert page.text.startswith("No parameter is free")
+
+
+def test_cancel_frees_the_worker():
+    page = accuracy.Accuracy(Scene())
+
+    async def cancelled():
+        page.start()
+        while not page.points:
+            await asyncio.sleep(0.05)
+        page.cancel()
+        while pool.in_flight:
+            await asyncio.sleep(0.05)
+
+    asyncio.run(asyncio.wait_for(cancelled(), 300.0))
+    assert page.text == "Cancelled." and page.share is None
+
+
+def test_too_many_increments_are_refused_with_a_remedy():
+    page = stick_slip.StickSlip(SMALL.changed(du_x=0.001))
+    page.view()
+    assert page.text.startswith("du_x = 0.001") and "enlarge it" in page.text
+
+
+def test_the_cost_of_a_tolerance_is_relative_to_the_largest_one():
+    points = [
+        Point("tolerance", "fast", value, 0.1, count, error, error, error)
+        for value, count, error in ((1e-3, 100, 1e-4), (1e-8, 150, 1e-9))
+    ]
+    said = accuracy.cost(points)
+    assert "to 1e-09 for 150 force evaluations" in said and "1.5 times those at 0.001 nm" in said
+    assert "No run at tolerance 1e-05" in accuracy.cost(points, 1e-5)
+
+
+def test_stored_points_are_of_both_methods_and_reach_a_millionth():
+    points = [Point(**row) for row in accuracy.STORED["points"]]
+    assert {point.series for point in points} == {"fast", "gfmd"}
+    for series in ("fast", "gfmd"):
+        assert min(point.branch_error for point in points if point.series == series) < 1e-6

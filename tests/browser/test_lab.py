@@ -1,0 +1,39 @@
+"""The research pages in a browser: opened from the menu with the scene, computed, and left with the scene."""
+
+import pytest
+from served import PATIENCE, finished, found_by_axe
+
+from app import lab
+
+QUICK = "?nodes=64&width=160&radius=0.6&u_x_max=12&du_x=0.2&du_z=0.5&E=35&theme=dark"
+SERIOUS = {"aria-input-field-name", "aria-progressbar-name", "button-name", "color-contrast", "label", "link-name"}
+
+
+@pytest.mark.parametrize("name", lab.PAGES)
+def test_a_page_opens_from_the_menu_with_the_scene_and_returns_with_it(visit, name):
+    page = visit(QUICK)
+    finished(page)
+    page.locator("#menu").click()
+    page.locator(f"nav a[data-lab={name}]").click()
+    page.get_by_role("heading", name=lab.PAGES[name]).wait_for()
+    assert page.title() == lab.PAGES[name] and "E=35" in page.url
+    page.get_by_role("button", name="Cancel").wait_for(state="hidden", timeout=PATIENCE)
+    assert not found_by_axe(page).keys() & SERIOUS
+    page.get_by_role("link", name="Back to the experiment").click()
+    finished(page)
+    values = page.evaluate("punch.status.values")
+    assert values["E"] == 35 and values["nodes"] == 64
+
+
+def test_an_unknown_page_is_named_and_the_experiment_is_one_link_away(visit):
+    page = visit("?lab=secret&E=35")
+    page.get_by_text("There is no page “secret”").wait_for()
+    assert page.get_by_role("link", name="Back to the experiment").get_attribute("href") == "?E=35"
+
+
+def test_a_moved_slider_changes_the_scene_that_the_experiment_gets_back(visit):
+    page = visit(QUICK.replace("?", "?lab=accuracy&"))
+    entry = page.get_by_role("textbox", name="Stiffness")
+    entry.fill("40")
+    entry.press("Enter")
+    page.locator("a[href*='E=40']").wait_for()
