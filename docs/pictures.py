@@ -66,7 +66,8 @@ def take(browser, address):
     _save(page, "app.webp")
     for _ in range(2):
         page.evaluate("document.getElementById('lens-on').click()")
-    page.evaluate("document.getElementById('fringes-on').click()")  # their colours are too many for a GIF
+    plain = "(of) => { of.value = 'plain'; of.dispatchEvent(new Event('change')) }"
+    page.locator("#stress").evaluate(plain)  # fringes: their colours are too many for a GIF
     images = []
     for k in range(FIRST, LAST, STEP):
         shown(page, k)

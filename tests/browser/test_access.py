@@ -94,11 +94,11 @@ def test_escape_closes_the_menu_and_space_ticks_its_checkbox(look):
     page = look("?view=hero")
     finished(page)
     page.click("#menu")
-    page.focus("#fringes-on")
+    page.focus("#lens-on")
     page.keyboard.press("Space")
-    assert not page.is_checked("#fringes-on") and not page.evaluate("punch.playing")
+    assert not page.is_checked("#lens-on") and not page.evaluate("punch.playing")
     page.keyboard.press("Escape")
-    page.locator("#fringes-on").wait_for(state="hidden")
+    page.locator("#lens-on").wait_for(state="hidden")
     assert page.evaluate("document.activeElement.id") == "menu"
 
 

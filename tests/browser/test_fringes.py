@@ -1,4 +1,4 @@
-"""The stress per fringe in Chromium."""
+"""The stress in the punch in Chromium: fringes, and components with their sign."""
 
 import pytest
 from served import finished, values_are
@@ -18,3 +18,47 @@ def test_stress_per_fringe_changes_only_when_the_user_chooses_it(visit):
     assert page.evaluate(KEY) == "0.6 GPa"
     page.locator("#fringe").evaluate("(of) => { of.value = '0.5'; of.dispatchEvent(new Event('change')) }")
     page.wait_for_function(f"{KEY} === '1.5 GPa'")
+
+
+# [r, g, b, a] of the lowest painted pixel of a column at a fraction of the width of the plot: just above the surface
+LOWEST = """(part) => {
+    const canvas = document.getElementById('fringes'), { width, height } = canvas
+    const { data } = canvas.getContext('2d').getImageData(0, 0, width, height)
+    const painted = (x, y) => data[4 * (y * width + x) + 3] > 200
+    const columns = Array.from({ length: width }, (_, x) => x).filter((x) => painted(x, height >> 3))
+    const x = columns[Math.round(part * (columns.length - 1))]
+    for (let y = height - 1; y >= 0; y--) if (painted(x, y)) return [...data.slice(4 * (y * width + x)).slice(0, 4)]
+    return null
+}"""
+CHOOSE = "(of, value) => { of.value = value; of.dispatchEvent(new Event('change')) }"
+
+
+def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
+    """A punch that is pressed is squeezed above the contact, stretched where its edges adhere, and held back."""
+    page = look("?delta_bar=0.4&k=190&theme=light")
+    finished(page)
+    page.wait_for_function("punch.drawn === 190")
+    stress = page.locator("#stress")
+    painted = f"({LOWEST})(0.5) !== null"
+    try:
+        stress.evaluate(CHOOSE, "zz")
+        page.wait_for_function("document.querySelector('.page').dataset.stress === 'zz'")
+        page.wait_for_function(painted)
+        key = page.locator(".of-stress:visible")
+        assert " ".join(key.inner_text().split()) == "σ_zz: squeezed −0.6+0.6 GPa stretched"
+        red, _, blue, _ = page.evaluate(LOWEST, 0.5)
+        assert blue > red + 30
+        red, _, blue, _ = page.evaluate(LOWEST, 0.15)
+        assert red > blue + 30
+        stress.evaluate(CHOOSE, "xz")
+        page.wait_for_function("document.querySelector('.page').dataset.stress === 'xz'")
+        page.wait_for_function(painted)
+        red, green, _, _ = page.evaluate(LOWEST, 0.5)
+        assert green > red + 15
+        assert page.locator(".of-stress:visible").inner_text().startswith("τ: pulls on")
+        assert not page.locator("#fringe-bar").is_visible()
+        stress.evaluate(CHOOSE, "plain")
+        page.wait_for_function(f"({LOWEST})(0.5) === null")
+    finally:
+        stress.evaluate(CHOOSE, "fringes")
+    page.wait_for_function("document.querySelector('.page').dataset.stress === 'fringes'")

@@ -1,10 +1,10 @@
-// Photoelastic fringes inside the punch: lines of equal shear stress.
+// Stress inside the punch: photoelastic fringes, lines of equal shear stress, or one component with its sign.
 
 import { frameBox } from "./bokeh.js"
-import { isShown } from "./colours.js"
+import { colour, isShown } from "./colours.js"
 import { by, keep, kept, on } from "./dom.js"
 import { figures } from "./figures.js"
-import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile } from "./inside.js"
+import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
 import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
@@ -13,7 +13,8 @@ import { redrawCanvases } from "./store.js"
 const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
 const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels each
 const WAVES = 9 // of the shortest mode in half of the width shown
-const ORDERS = 3 // fringes in the key
+const ORDERS = 3 // fringes in the key; the colours of a component end at so many
+const COMPONENTS = { zz: ZZ, xx: XX, xz: XZ }
 const BAR = 9 // px, as the top is drawn by story.js
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
@@ -22,9 +23,10 @@ const sheet = document.createElement("canvas")
 let image = null
 
 export function connectFringes() {
-  by("fringes-on").checked = kept("fringes") !== "plain"
-  on("fringes-on", "change", ({ target }) => {
-    keep("fringes", target.checked ? "on" : "plain")
+  by("stress").value = kept("fringes")
+  if (!chosen()) by("stress").value = "fringes"
+  on("stress", "change", () => {
+    keep("fringes", chosen())
     redrawCanvases()
   })
   by("fringe").value = kept("fringe") ?? by("fringe").value
@@ -34,20 +36,33 @@ export function connectFringes() {
   })
 }
 
+const chosen = () => by("stress").value
+const keyOf = (component) => document.querySelector(`.of-stress[data-stress=${component}]`)
 const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only the user changes it
 
-// The key: the colours of the first orders, and the stress at which they end
+// The key: the colours of the first orders or of both signs, and the stress at which they end
 let keyed = ""
 function drawKey() {
-  const { theme } = document.documentElement.dataset, wanted = `${theme} ${perFringe()}`
+  const { theme } = document.documentElement.dataset, what = chosen(), wanted = `${theme} ${perFringe()} ${what}`
   if (wanted === keyed) return
   keyed = wanted
-  const bar = by("fringe-bar"), inks = inksOf(theme)
-  Object.assign(bar, { width: ORDERS * SHADES, height: 1 })
+  document.querySelector(".page").dataset.stress = what
+  document.querySelector(".of-fringe").hidden = what !== "fringes"
+  for (const key of document.querySelectorAll(".of-stress")) key.hidden = key.dataset.stress !== what
+  const most = digits(ORDERS * perFringe(), 2)
+  by("fringe-most").textContent = `${most} GPa`
+  if (what === "fringes") drawBar(by("fringe-bar"), inksOf(theme).subarray(0, ORDERS * SHADES))
+  if (!(what in COMPONENTS)) return
+  keyOf(what).querySelector(".stress-low").textContent = `−${most}`
+  keyOf(what).querySelector(".stress-high").textContent = `+${most} GPa`
+  drawBar(keyOf(what).querySelector("canvas"), signedInks(what, theme))
+}
+
+function drawBar(bar, inks) {
+  Object.assign(bar, { width: inks.length, height: 1 })
   const pen = bar.getContext("2d"), pixels = pen.createImageData(bar.width, 1)
-  new Uint32Array(pixels.data.buffer).set(inks.subarray(0, bar.width))
+  new Uint32Array(pixels.data.buffer).set(inks)
   pen.putImageData(pixels, 0, 0)
-  by("fringe-most").textContent = `${digits(ORDERS * perFringe(), 2)} GPa`
 }
 
 // The table for what is shown of a run, once it is there, and how deep that is, in depths of the table
@@ -61,8 +76,9 @@ function tableNow({ head: { scene } }, half) {
 export function drawFringes(run, k) {
   const canvas = by("fringes"), figure = figures.punch
   const box = isShown(canvas) ? frameBox(figure) : null, pen = box && cleared(canvas)
-  if (!pen || !by("fringes-on").checked || run.head.flat || run.apart) return
+  if (!pen) return
   drawKey()
+  if (chosen() === "plain" || run.head.flat || run.apart) return
   const { table, deep } = tableNow(run, figure.x_range.end)
   if (!table) return
   paintSheet(run, k, figure, ordersIn(run, k, table, figure.x_range.end), (box.height - BAR) / box.height, deep)
@@ -78,7 +94,8 @@ function paintSheet(run, k, { x_range, y_range }, orders, part, depth) {
   const shades = new Uint32Array(pixels.data.buffer)
   const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
   const U_x = times * run.top(k)
-  const inks = inksOf(document.documentElement.dataset.theme)
+  const { theme } = document.documentElement.dataset, signed = chosen() in COMPONENTS
+  const inks = signed ? signedInks(chosen(), theme) : inksOf(theme), zero = signed ? ORDERS * SHADES : 0
   const half = x_range.end, nm = (2 * half) / WIDE, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
   const step = (high - y_range.start) / HIGH
   shades.fill(0)
@@ -99,7 +116,7 @@ function paintSheet(run, k, { x_range, y_range }, orders, part, depth) {
       const n = l * COLUMNS + j
       const fringe = (orders[n] * (1 - p) + orders[n + 1] * p) * (1 - q)
         + (orders[n + COLUMNS] * (1 - p) + orders[n + COLUMNS + 1] * p) * q
-      shades[r * WIDE + c] = inks[Math.min(inks.length - 1, Math.round(fringe * SHADES))]
+      shades[r * WIDE + c] = inks[Math.max(0, Math.min(inks.length - 1, zero + Math.round(fringe * SHADES)))]
     }
   }
   pen.putImageData(pixels, 0, 0)
@@ -115,8 +132,22 @@ function inksOf(theme) {
   }, 0xff000000)))
 }
 
-// Fringe orders (rows, COLUMNS) from the tractions of frame k, the row at the surface first
+// The colours of a component from -ORDERS to ORDERS fringes, as bytes: that of the page where there is no stress
+const signs = {}
+const bytes = (name) => [1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16))
+function signedInks(component, theme) {
+  const { below, above } = keyOf(component).dataset
+  return (signs[`${component} ${theme}`] ??= Uint32Array.from({ length: 2 * ORDERS * SHADES + 1 }, (_, i) => {
+    const part = i / (ORDERS * SHADES) - 1, from = bytes("--page"), to = bytes(part < 0 ? below : above)
+    return from.reduce((ink, byte, channel) =>
+      (ink | (Math.round(byte + (to[channel] - byte) * Math.abs(part)) << (8 * channel))) >>> 0, 0xff000000)
+  }))
+}
+
+// Fringe orders, or a component in fringes (rows, COLUMNS), from the tractions of frame k, the row at the surface first
 function ordersIn(run, k, table, half) {
-  const [apart, sheared] = sumsIn(run, k, table, middles(COLUMNS, half), [APART, SHEARED]), per = perFringe()
+  const component = COMPONENTS[chosen()], per = perFringe(), x = middles(COLUMNS, half)
+  if (component) return sumsIn(run, k, table, x, [component])[0].map((value) => value / per)
+  const [apart, sheared] = sumsIn(run, k, table, x, [APART, SHEARED])
   return apart.map((a, i) => Math.sqrt(a * a + sheared[i] * sheared[i]) / per)
 }
