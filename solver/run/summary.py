@@ -31,7 +31,7 @@ def whole_surface(frame: Frame) -> NDArray[np.float64]:
 def fields_of(frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
     """x (m,), u (nm) and T (GPa) (frames, 2, m) of the nodes of a run; x in nm from the middle of the cell."""
     nodes = frames[0].first + np.arange(frames[0].u.shape[1]) if frames else np.arange(0)
-    u, T = (np.array([getattr(frame, name) for frame in frames]).reshape(-1, 2, nodes.size) for name in "uT")
+    u, T = (np.array([getattr(frame, name) for frame in frames]).reshape(len(frames), 2, nodes.size) for name in "uT")
     x = frames[0].scene.x[nodes] - frames[0].scene.width / 2 if frames else np.empty(0)
     return {"x": x, "u": u, "T": T}
 

@@ -37,7 +37,7 @@ from solver.cli import run
 from solver.cli.main import CLOSED_PIPE, CompilingNotice
 from solver.cli.options import scene_of
 from solver.continuation.gfmd import Gfmd, GfmdOptions
-from solver.files import SCHEMA, write_npz
+from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
 from solver.scene import CHOICES, PARAMETERS
 
@@ -171,31 +171,6 @@ def test_the_summary_of_a_run_does_not_depend_on_the_files_that_are_written(call
         assert "Damping 0.3 is low for this contact" in err
         summaries.append({name: value for name, value in strict(file).items() if name != "seconds"})
     assert summaries[0] == summaries[1] and summaries[0]["safe_damping"] > 0.3 and summaries[0]["may_flutter"] > 0
-
-
-def test_npz_pads_where_the_patch_grew(tmp_path):
-    def frame(first, m):
-        curves = {
-            "U_x": 0.0,
-            "delta": 0.0,
-            "stage": "shear",
-            "U_x_top": 0.0,
-            "delta_top": 0.0,
-            "F": 0.0,
-            "L": 0.0,
-            "A_bar": 0.0,
-            "residual": 0.0,
-            "evaluations": 1,
-            "slip": False,
-        }
-        return SimpleNamespace(scene=Scene(), first=first, u=np.full((2, m), 1.0), T=np.full((2, m), 2.0), **curves)
-
-    write_npz(tmp_path / "grown", Scene(), [frame(10, 3), frame(8, 6)])
-    with np.load(tmp_path / "grown") as data:
-        assert np.allclose(data["x"], Scene().spacing * np.arange(8, 14) - 1250.0)
-        assert np.isnan(data["u"][0, :, [0, 1, 5]]).all()
-        assert (data["T"][0] == [0, 0, 2, 2, 2, 0]).all()
-        assert (data["u"][1] == 1).all()
 
 
 @pytest.mark.parametrize("method", ["fast", "gfmd"])

@@ -140,7 +140,7 @@ def test_the_first_slip_of_a_sweep_is_that_of_the_shear_among_the_points():
     shear, points = (sweep(scene, phi_ratio=[1.0]).loc[0] for scene in (SMALL, through("0,-1; 0,0.2; 8,0.2; 8,-1")))
     assert points["outcome"] == shear["outcome"] == "slips"
     assert points["U_s (nm)"] == pytest.approx(shear["U_s (nm)"], abs=1e-6)
-    assert "first slip at" in simulate(through(SPELT["shear"]))._repr_html_()
+    assert "First slip at" in simulate(through(SPELT["shear"]))._repr_html_()
 
 
 @pytest.mark.parametrize("points", ["0,-1; 0,0.2; -8,0.2", "0,-1; 0,0.2; 8,0.3"], ids=["back", "oblique"])
@@ -150,7 +150,7 @@ def test_the_first_slip_of_a_path_is_of_any_line_along_U_x(points):
     event = next(event for frame in run.frames if frame.stage != "approach" for event in frame.slips)
     assert summarize(run.frames)["U_s"] == event.load
     assert sweep(run.scene, phi_ratio=[1.0])["U_s (nm)"][0] == event.load
-    assert f"first slip at U_x = {event.load:.2f} nm" in run._repr_html_()
+    assert f"First slip at U_x = {event.load:.2f} nm" in run._repr_html_()
 
 
 @pytest.mark.parametrize("values", [{"delta_bar": [0.0, 0.2]}, {"u_x_max": [1.0, 2.0]}])
