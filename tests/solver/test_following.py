@@ -364,7 +364,7 @@ def prandtl(A, period=2.4):
     for i, load in enumerate(loads[1:-1], 1):
         v[i] = toy.at_rest(load, v[i - 1]).v
     v[-1] = at
-    return toy, Branch.of(loads, v, np.ones((13, 1), bool), slip=fold)
+    return toy, Branch.of(loads, v, slip=fold)
 
 
 def prandtl_fold(A, period=2.4):
@@ -398,12 +398,12 @@ def test_a_state_on_another_branch_is_refused():
 
 def test_polynomials_are_interpolated_exactly_and_waves_to_the_sixth_order():
     t, at = np.linspace(0.0, 1.0, 13), np.linspace(0.0, 1.0, 41)
-    branch = Branch.of(t, np.zeros((13, 1)), np.ones((13, 1), bool))
+    branch = Branch.of(t, np.zeros((13, 1)))
     assert np.abs(branch.weights(at) @ t**5 - at**5).max() < 1e-12
     wave = lambda x: 1.0 + np.cos(2.0 * np.pi * x) - np.sin(4.0 * np.pi * x)  # noqa: E731
     for n, error in ((12, 0.02), (48, 1e-5)):  # (q h)^6/100, with q h = 4 pi/n of the shorter wave
         t = np.linspace(0.0, 1.0, n + 1)
-        branch = Branch.of(t, np.zeros((n + 1, 1)), np.ones((n + 1, 1), bool), periodic=True)
+        branch = Branch.of(t, np.zeros((n + 1, 1)), periodic=True)
         assert np.abs(branch.weights(at) @ wave(t) - wave(at)).max() < error
 
 

@@ -51,8 +51,9 @@ def test_repeated_increments_cost_about_one_evaluation_and_are_marked():
     repeated = [f for f in frames if f.repeated]
     assert len(repeated) > 280
     assert np.median([f.evaluations for f in repeated]) == 1
-    # the count varies by some per cent with the transforms that FFTW picked
-    assert evaluations(frames) < 2500 < 10_000 < evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
+    assert evaluations(repeated) < 2 * len(repeated)
+    # the first of 12 slips is solved for, and its motion made thrice; the count varies with FFTW's transforms
+    assert evaluations(frames) < 0.2 * evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
 
 
 @pytest.mark.slow
