@@ -15,9 +15,10 @@ STORE = json.loads((Path(__file__).parents[2] / "docs" / "benchmark.json").read_
 @pytest.mark.slow
 @pytest.mark.parametrize("name", STORE)
 def test_fast_gives_the_numbers_of_the_public_benchmark(name):
-    """F and L of increments to 1e-9 of the largest, U_x of slips to 1e-8, their F and L to 1e-6, A to 1e-6.
+    """F and L of increments to 1e-9 of the largest of the run, U_x of slips to 1e-8, their F and L to 1e-6, A to 1e-6.
 
-    F changes infinitely fast at the end of a branch. The least repulsion that counts in A differs.
+    F changes infinitely fast at the end of a branch. The least repulsion that counts in A differs. The largest of the
+    run is the scale of slips too: L of the soft scene is close to zero there.
     """
     scene = Scene(**STORE[name]["input"])
     shear = [frame for frame in load_path(scene) if frame.stage == "shear"]
@@ -29,9 +30,10 @@ def test_fast_gives_the_numbers_of_the_public_benchmark(name):
         "frames": (states[nearest], [1e-12, 1e-9, 1e-9, 1e-6]),
         "slips": (np.array(slips), [1e-8, 1e-6, 1e-6, 1e-6]),
     }
+    largest = np.abs(np.array([row for rows in gfmd.values() for row in rows])).max(axis=0)
     for part, (ours, bounds) in parts.items():
         assert len(ours) == len(gfmd[part])
         if not len(ours):
             continue
-        off = np.abs(ours - gfmd[part]).max(axis=0) / np.abs(gfmd[part]).max(axis=0)
+        off = np.abs(ours - gfmd[part]).max(axis=0) / largest
         assert (off <= bounds).all(), (part, off)
