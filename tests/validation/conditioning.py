@@ -67,7 +67,7 @@ def _overclosure(depth):
     """The Limit of the tractions at gap = depth delta_n."""
     scene, x = Scene(), np.linspace(-3.0, 3.0, 61)
     gap = np.full(x.size, depth)
-    exact, gross = springs(scene, x, gap, np.ones(x.size, bool))
+    exact, gross = springs(scene, x, gap)
     error = float(np.abs(traction(scene, x, gap) - exact).max() / gross.max())
     remedy = "exponential good to round-off; its argument is exact"
     return Limit(f"traction at dn = {depth:g} delta_n", error, None, ROUNDING * EPS, remedy)

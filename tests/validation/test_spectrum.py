@@ -21,10 +21,10 @@ from solver import Scene, load_path
 
 
 def frame_of(scene, ux, uz, nodes=None):
-    """A frame with every node at that displacement, whether or not anything holds it there."""
+    """A frame with every node at that displacement, whether or not it is an equilibrium."""
     u = np.broadcast_to(np.array([[ux], [uz]]), (2, nodes or scene.nodes))
     m = u.shape[1]
-    T, _ = springs(scene, u[0], scene.profile[:m] + u[1], np.ones(m, bool))
+    T, _ = springs(scene, u[0], scene.profile[:m] + u[1])
     return SimpleNamespace(first=0, u=u, T=T.astype(float))
 
 
