@@ -101,7 +101,8 @@ def moved(before, now, spacing):
     """By how many sites most of the nodes in reach have moved."""
     first, last = max(before.first, now.first), min(before.first + before.u.shape[1], now.first + now.u.shape[1])
     pick = lambda frame: frame.u[0, first - frame.first : last - frame.first]  # noqa: E731
-    steps = np.rint((pick(now) - pick(before)) / spacing)[np.abs(now.T[1, first - now.first : last - now.first]) > 0]
+    felt = FELT * now.scene.phi_n / now.scene.delta_n
+    steps = np.rint((pick(now) - pick(before)) / spacing)[np.abs(now.T[1, first - now.first : last - now.first]) > felt]
     return abs(np.median(steps))
 
 
@@ -121,6 +122,7 @@ def near(a, b, scale=1.0):
 
 
 NUMBER = r"(−?[\d.]+)"
+FELT = 4.5e-4  # of phi_n/delta_n: the traction at a gap of 10 delta_n, beyond which no node slips by sites
 SITES = {"no": 0, "one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
 
 
