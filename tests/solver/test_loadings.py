@@ -152,11 +152,13 @@ def test_hysteresis_where_jump_in_and_pull_off_differ(E):
 
 @pytest.mark.slow
 def test_an_adhering_punch_is_retracted_until_it_detaches():
-    """At E = 10 it still adheres where the approach began."""
+    """At E = 10 it still adheres where the approach began; detached, an undeformed layer attracts by 1.3 % less."""
     scene = Scene(path="unload", E=10.0, du_z=0.5, nodes=512, width=1250.0)
     frames = list(load_path(scene))
     up, down = stage(frames, "unload"), stage(frames, "reload")
-    assert up[-1].delta < -scene.delta_0 and abs(up[-1].L_bar) < 1e-4 * abs(min(f.L_bar for f in up))
+    gap = (scene.profile - up[-1].delta) / scene.delta_n
+    pull = scene.phi_n / scene.delta_n * (gap * np.exp(-gap)).mean() / scene.E
+    assert up[-1].delta < -scene.delta_0 and up[-1].L_bar == pytest.approx(-pull, rel=0.02)
     assert down[0].delta == up[-1].delta and down[-1].delta == scene.delta
     assert same(down[-1], stage(frames, "approach")[-1], 1e-5)
 
