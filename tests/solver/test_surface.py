@@ -219,7 +219,8 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
 @pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "values", [{"surface": "rough", "rms_slope": 0.1, "cut_off": 0.1}, {"surface": "wave", "amplitude": 25.0}]
+    "values",
+    [{"surface": "rough", "rms_slope": 0.07, "cut_off": 0.3, "seed": 5}, {"surface": "wave", "amplitude": 25.0}],
 )
 def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(values):
     scene = Scene(**values, du_z=0.5, du_x=0.5, u_x_max=8.0)
