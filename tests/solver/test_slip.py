@@ -178,13 +178,13 @@ def test_the_motion_starts_from_the_state_it_is_given():
 
 
 @pytest.mark.slow
-def test_a_soft_layer_at_high_friction_releases_as_many_nodes_as_gfmd():
-    """30 or 29 of 1024, by GFMD with even steps of 1/8 and 1/16 of the largest stable one; at longer ones others."""
+def test_a_soft_layer_at_high_friction_releases_a_few_nodes_as_gfmd_does():
+    """28 to 66 of 1024, by plain GFMD with 1/4 to 1/32 of the largest stable step, started at or before the fold."""
     scene = Scene(E=14.0, delta_bar=-0.15, phi_ratio=2.0, u_x_max=25.5)
     before, frame, event = first_slip(scene)
     start, there = whole_surface(before), whole_surface(frame)
     assert event.load == pytest.approx(25.4726, abs=1e-3) and event.located
-    assert 25 < int((there[0] - start[0] > 1.5).sum()) < 35  # 162 nodes from another start
+    assert 25 < int((there[0] - start[0] > 1.5).sum()) < 70  # 162 nodes from another start
 
 
 @pytest.mark.slow
