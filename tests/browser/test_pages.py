@@ -146,9 +146,9 @@ def test_page_named_in_the_address_is_open_from_the_start(visit):
     assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
 
 
-def test_edges_on_the_toughness_are_those_of_the_solver(look):
+def test_edges_on_the_toughness_are_those_of_the_solver(visit):
     """Within the rounding of the fields that a browser receives."""
-    page = look("?page=law&k=180")
+    page = visit("?page=law&k=180")
     finished(page)
     frame = simulate(Scene(u_x_max=8.0)).frames[180]
     for label, edge in zip(("trailing", "leading"), release_rates(frame), strict=True):
