@@ -27,6 +27,17 @@ def workers():
     pool.close()
 
 
+@pytest.fixture(autouse=True)
+def no_running_loop():
+    """Pages compute at once, as in a script. A browser of this process, which other tests share, leaves a loop running,
+    for which Panel would leave them waiting.
+    """
+    running = asyncio._get_running_loop()
+    asyncio._set_running_loop(None)
+    yield
+    asyncio._set_running_loop(running)
+
+
 def text_of(viewable):
     return " ".join(str(pane.object) for pane in viewable.select(pn.pane.Str))
 

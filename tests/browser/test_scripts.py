@@ -132,9 +132,11 @@ def test_contact_map_is_empty_where_no_traction_acts(tab):
     peak = WIDE.phi_n / (np.e * WIDE.delta_n)
     for column in (0, len(shear) // 2, -1):
         frame = shear[column]
-        row = round(frame.first - 0.5 - (made["low"] + WIDE.width / 2) / WIDE.spacing)
-        own = image[row : row + frame.u.shape[1], column]
         nodes = frame.first + np.arange(frame.u.shape[1])
+        own = np.full(nodes.size, np.nan)  # a browser gets no nodes that are far away
+        rows = nodes - round((made["low"] + WIDE.width / 2) / WIDE.spacing + 0.5)
+        sent = (rows >= 0) & (rows < made["rows"])
+        own[sent] = image[rows[sent], column]
         gap = WIDE.profile[nodes % WIDE.nodes] + frame.u[1]
         acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -packing.FREE * peak)
         sure = np.abs(frame.T[1] + packing.FREE * peak) > 1e-3 * peak  # not on the limit, where int16 decides

@@ -102,7 +102,8 @@ def moved(before, now, spacing):
     first, last = max(before.first, now.first), min(before.first + before.u.shape[1], now.first + now.u.shape[1])
     pick = lambda frame: frame.u[0, first - frame.first : last - frame.first]  # noqa: E731
     felt = FELT * now.scene.phi_n / now.scene.delta_n
-    steps = np.rint((pick(now) - pick(before)) / spacing)[np.abs(now.T[1, first - now.first : last - now.first]) > felt]
+    largest = np.abs(now.T[:, first - now.first : last - now.first]).max(axis=0)  # one of the two may pass zero
+    steps = np.rint((pick(now) - pick(before)) / spacing)[largest > felt]
     return abs(np.median(steps))
 
 
