@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from .analysis.maps import Axis, Map, explored
     from .analysis.measurement import read_measurement
     from .analysis.sensitivities import sensitivities
+    from .analysis.theory import theory
     from .analysis.toughness import release_rates, toughness
 
 __version__ = "0.1.0"
@@ -89,6 +90,7 @@ __all__ = [
     "skeleton_of",
     "summarize",
     "sweep",
+    "theory",
     "toughness",
     "whole_surface",
     "work_of",
@@ -101,6 +103,7 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "read_measurement": "measurement",
     "release_rates": "toughness",
     "sensitivities": "sensitivities",
+    "theory": "theory",
     "toughness": "toughness",
 }
 
