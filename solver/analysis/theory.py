@@ -46,6 +46,7 @@ def theory(scene: Scene) -> tuple[Theory, ...]:
 
     Parameters: scene.
     Returns a Theory for each: its name, its curve, and a sentence on where it ceases to hold.
+    Raises ValueError where `toughness` finds no crack tip, at extreme phi_ratio.
 
     Example: `theory(Scene(surface="flat"))[0].y.max()`
     """
