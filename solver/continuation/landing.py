@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from .slip import OPTIONS as SLIP
-from .slip import SlipOptions, TooLong, Transient, Trial
 from .state import End, NotConverged
+from .transient import OPTIONS as TRANSIENT
+from .transient import TooLong, Transient, TransientOptions, Trial
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,14 @@ class LandingOptions:
     # evaluations (tests/bench/constants.py)
     barrier: float = 1.2
     far: float = 5.0  # sites beyond which two further motions must agree: one of 30 such slips needed that
-    half: float = 0.5  # sites beyond which a node has passed a barrier
+    # sites beyond which a node has passed a barrier. If the motion stalled on the way, details decide whether it does
+    half: float = 0.5
     same: float = 0.05  # units within which two states are one equilibrium: at another site, a node is a unit off
     # units; a slip is sensitive where its load had to rise by more before the surface came to rest. The state reached
     # may then lie on another branch, or farther along the same one. Values of 0.1 and 0.4 change no slip of
     # tests/bench/constants.py
     raised: float = 0.2
-    slip: SlipOptions = SLIP
+    transient: TransientOptions = TRANSIENT
 
 
 OPTIONS = LandingOptions()
@@ -38,7 +39,7 @@ HALF = Trial(2.0)  # over one barrier: half of the usual step
 # Over several barriers. The first one differs in the step alone: of two that start elsewhere, too, both may be wrong
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
 # From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere
-FARTHER = (Trial(nearer=0.2),)
+FARTHER = Trial(nearer=0.2)
 # Where all nodes are alike: waves grow near the end of the branch. From the usual start, five times as far, one of 300
 # cells (tests/bench/landings.py) fell before they had grown; from nearer starts, four and twenty times, it lands alike.
 DISTURBED = Trial(nearer=5.0, kick=1e-3)
@@ -50,51 +51,50 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     The state's load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
     critical; closed: as of `motion.Motion`. Raises NotConverged.
     """
-    motion = partial(_moved, judge=judge, damping=damping, closed=closed, options=options.slip)
-    slip = _repeated(motion, problem, end, motion(problem, end, USUAL), options)
-    # where all nodes are alike, a wave grows on the way only from a disturbance
-    if slip.sensitive or not problem.alike(end.v):
-        return slip
-    disturbed = _tried(motion, problem, end, DISTURBED, options)
-    return slip._replace(sensitive=not _same(problem, slip.after, disturbed, options))
+    motion = partial(_moved, problem, end, judge=judge, damping=damping, closed=closed, options=options.transient)
+    state, stalled = motion(USUAL)
+    slip = end._replace(after=state)
+    if end.sensitive or _wandered(problem, end, slip.after, options):
+        return slip._replace(sensitive=True)
+    starts = (FARTHER,) * (end.kind == "flutter") + (DISTURBED,) * problem.alike(end.v)
+    finer, agreeing = _finer(problem.sites(end.v, state.v), stalled, options)
+    may_change = not starts  # where the start matters, any disagreement is one too many
+    for trial in (*starts, *finer):
+        if trial not in starts and not agreeing:
+            break
+        state = _tried(motion, problem, end, trial, options)
+        if _same(problem, slip.after, state, options):
+            agreeing -= trial not in starts
+        elif not may_change:
+            return slip._replace(sensitive=True)
+        else:  # the finer motion is right, if the next one agrees with it
+            slip, may_change = slip._replace(after=state or slip.after), False
+    return slip._replace(sensitive=agreeing > 0)
 
 
-def _repeated(motion, problem, end, state, options):
-    """The End with `after` and `sensitive`, given the State in which the usual motion came to rest."""
-    sites, sensitive = problem.sites(end.v, state.v), end._replace(after=state, sensitive=True)
-    if end.sensitive or _wandered(problem, end, state, options):
-        return sensitive
-    trials, needed = (), 0
-    if sites > options.half:
-        trials, needed = (HALF, *FINE), 1
-    if sites > options.barrier:
-        trials, needed = FINE, 1 if sites < options.far else 2
-    if end.kind == "flutter":
-        trials, needed = (*FARTHER, *trials), needed + 1
-    if not needed:
-        return end._replace(after=state)
-    agreeing = 0
-    for trial in trials:
-        other = _tried(motion, problem, end, trial, options)
-        agreeing = agreeing + 1 if _same(problem, state, other, options) else 0
-        if agreeing == needed:
-            return end._replace(after=state)
-        if other is not None and not agreeing and trial.finer > 1.0:
-            state = other
-    return end._replace(after=state, sensitive=True)
+def _finer(sites, stalled, options):
+    """(trials with finer steps, how many of them must agree) for a slip by so many sites, on which it stalled."""
+    if sites <= options.half or (sites <= options.barrier and not stalled):
+        return (), 0
+    if sites <= options.barrier:
+        return (HALF, *FINE), 1
+    return FINE, 1 if sites < options.far else 2
 
 
 def _tried(motion, problem, end, trial, options):
     """The State in which a motion comes to rest; None where there is none, or where it wanders before."""
     try:
-        state = motion(problem, end, trial)
+        state, _ = motion(trial)
     except NotConverged:
         return None
     return None if _wandered(problem, end, state, options) else state
 
 
 def _wandered(problem, end, state, options):
-    """Whether the load had to rise so far until the surface came to rest that its way there does not decide where."""
+    """True if the load rose by more than `raised` before the surface came to rest.
+
+    Then the motion does not determine the equilibrium.
+    """
     return state.load > end.load + options.raised * problem.unit
 
 
@@ -107,7 +107,7 @@ def _same(problem, state, other, options):
 
 
 def _moved(problem, end, trial, options, **how):
-    """The State in which a motion comes to rest, with the longest steps that lead there."""
+    """What `Transient.to_rest` returns, with the longest steps that lead there."""
     # with other steps a trial would be another one
     for finer in options.finer if trial is USUAL else options.finer[:1]:
         try:

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from helpers import first_slip
 from plain_gfmd import Plain
-from toys import cubic
+from toys import cubic, lattice
 
 from solver import Scene, whole_surface
 from solver.continuation.motion import Motion
+from solver.continuation.rest import Judge
+from solver.continuation.state import End
+from solver.continuation.transient import Transient, Trial
 
 ROUGH = [  # landed one site or more beside GFMD when the motion had one step for all surfaces
     {
@@ -89,3 +92,23 @@ def test_strong_damping_does_not_lengthen_the_steps_of_the_motion():
         motion.soften(1.0)
         steps.append(motion.step)
     assert steps[2] == steps[1] == 2.0 * steps[0]
+
+
+def slip_on_a_lattice(damping):
+    """(v at rest, nm, whether the motion stalled) from the fold of a node on a sine of period 2.4 nm."""
+    problem, q = lattice((1.0, 0.0), k=0.3), 2.0 * np.pi / 2.4
+    v = np.arccos(-0.3 / q) / q  # T' = k
+    end = End(v + np.sin(q * v) / 0.3, np.array([v]), np.array([1.0]))
+    state, stalled = Transient(problem, end, Trial(), Judge(damping), damping, q).to_rest()
+    return state.v[0], stalled
+
+
+def test_a_motion_that_just_passes_a_barrier_or_just_turns_back_there_counts_as_stalled():
+    """The damping in between, where the node would stop on the barrier, is found by halving to 0.1 %."""
+    near, strong = 0.05, 4.0
+    (far, _), (first, clear) = slip_on_a_lattice(near), slip_on_a_lattice(strong)
+    assert far > first + 2.0 and not clear
+    while strong - near > 1e-3 * near:
+        middle = 0.5 * (near + strong)
+        near, strong = (near, middle) if slip_on_a_lattice(middle)[0] < first + 1.0 else (middle, strong)
+    assert slip_on_a_lattice(near)[1] and slip_on_a_lattice(strong)[1]

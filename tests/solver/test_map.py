@@ -17,7 +17,7 @@ from solver.analysis.maps.point import at_slip
 from solver.analysis.maps.run import computed
 from solver.cli import main
 from solver.cli import maps as mapping
-from solver.continuation.slip import OPTIONS
+from solver.continuation.transient import OPTIONS
 
 SMALL = Scene(nodes=128, width=312.5, u_x_max=12.0, tolerance=1e-7)  # the default, an eighth as wide
 FLAT = Scene(surface="flat", nodes=16, width=40.0, height=100.0, delta_bar=0.0, damping=np.inf)

@@ -1,0 +1,232 @@
+"""The damped motion from the end of a branch to the next equilibrium, finished by Anderson steps.
+
+The motion starts just beyond the end of the branch. Once it has nearly died down, Anderson steps solve for the
+equilibrium. Where it does not come to rest, the load rises slowly. `landing` decides whether the equilibrium depends on
+the time step or on the start.
+"""
+
+from dataclasses import dataclass
+from math import isfinite, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from .corrector import OPTIONS as CORRECTOR
+from .corrector import Corrector, CorrectorOptions
+from .motion import OPTIONS as MOTION
+from .motion import MotionOptions, motion_of
+from .state import NotConverged, Restless, State
+
+
+@dataclass(frozen=True)
+class TransientOptions:
+    """How the motion of a slip is followed and ended; a "unit" is the problem's `unit`."""
+
+    steps: int = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
+    start: float = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
+    # times `start`, the distance from the end of the branch within which the motion counts as starting
+    left: float = 4.0
+    # factor of the usual steps while the motion starts, as long as it moves less than a quarter of `crawl` between two
+    # checks. Faster starts with such steps led one slip in a thousand to another equilibrium; 4 does so, too
+    slow: float = 3.0
+    # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
+    # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
+    finer: tuple = (1, 2, 4, 16)
+    # units between two checks: in the overdamped limit steps are halved where a state moves more, and doubled where it
+    # moves less than a quarter of that, which a doubled step does not exceed, up to `crawl_longest` times the usual
+    crawl: float = 0.08
+    crawl_longest: float = 256.0
+    # units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
+    # motion
+    landing: float = 0.03
+    # Factor of that after Anderson steps that failed. 0.15 and 0.6 lead to the same equilibria, with up to 5 % fewer
+    # evaluations (tests/bench/constants.py)
+    later: float = 0.3
+    # Used in place of `landing` while the motion starts. There the residual is small anyway: about half the curvature
+    # times the distance squared
+    near: float = 1e-4
+    # periods of the slowest mode, over its decay in units of the critical one, after which a motion is restless: by
+    # then the mode has decayed by exp(-16 pi). Without that factor, a strongly damped fall under a soft drive had no
+    # time to come to rest
+    patience: float = 8.0
+    # steps of a restless motion, at least: half of what the slowest slip of the slider box takes. In the overdamped
+    # limit, where surfaces come to rest more slowly, ten times as many
+    least: int = 4000
+    # share of the rise since the end of the branch by which each check of the usual steps raises the load of a restless
+    # motion. At the onset oscillations grow slowly: with five times as much, motions with finer steps lost a surface
+    # that plain GFMD brings to rest within 0.005 nm of load
+    raised: float = 2e-3
+    # units, the largest rise of a check, and ten times the least; with more, surfaces slide on and on
+    raised_most: float = 1e-3
+    farthest: float = 5.0  # units by which the load may be raised
+    # most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
+    # layers that detach
+    budget: int = 250_000
+    # units from both ends of the motion, beyond which it counts as stalled where it slows down and speeds up again: as
+    # at a saddle, which it just passes, or where it just turns back. Oscillations about the ends stay below
+    stalled: float = 0.3
+    stalls: int = 50  # most states kept for that; so many mean that it has stalled
+    diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
+    motion: MotionOptions = MOTION
+    corrector: CorrectorOptions = CORRECTOR
+
+
+OPTIONS = TransientOptions()
+
+
+class Trial(NamedTuple):
+    """How a motion differs from the usual one."""
+
+    finer: float = 1.0  # divisor of its time steps
+    nearer: float = 1.0  # divisor of the distance from the end of the branch at which it starts
+    kick: float = 0.0  # units, random displacement of the unknowns, which breaks symmetries
+
+
+class TooLong(Restless):
+    """The motion diverged, or did not come to rest; shorter steps may help."""
+
+
+class Transient:
+    """One motion to rest, with the steps and the start of a Trial.
+
+    Attributes: load, v: the present state; ahead: its change since the last check; starting: whether it is still near
+    the end of the branch; landing, near: bounds of residual and swing below which Anderson steps are tried, nm.
+    """
+
+    def __init__(self, problem, end, trial, judge, damping, closed, options: TransientOptions = OPTIONS):
+        self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
+        self.unit, self.mode, self.options = problem.unit, None, options
+        self.finer, self._crawl = trial.finer, 1.0  # divisor of the usual steps; their factor without inertia
+        self.away = options.start * self.unit * end.phi
+        self.load, self.v = end.load, end.v + self.away / trial.nearer
+        if trial.kick:
+            self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
+        self.dynamics = problem.motion()
+        y = self.dynamics.start(self.v, self.load)
+        self.motion = motion_of(self.dynamics, y, self.load, damping, closed, options.motion)
+        self.ahead, self._r = np.zeros(problem.size), np.empty(problem.size)
+        self.landing, self.near = options.landing * self.unit, options.near * self.unit / trial.nearer**2
+        self.starting, self.steps, self.elapsed = end.located, 0, 0.0
+        self._slow = trial.finer == 1.0  # whether the usual steps are lengthened by `slow`
+        self._speeds, self._stalls = (0.0, 0.0), list[np.ndarray]()  # nm per time, at the last two checks
+
+    def to_rest(self) -> tuple[State, bool]:
+        """The State at rest, and whether the motion stalled on the way, close to a saddle.
+
+        Raises TooLong where shorter steps may help, Restless or NotConverged where not.
+        """
+        while True:
+            self._advance()
+            bound = self.near if self.starting else self.landing
+            unrest = self._unrest(bound)
+            if unrest < bound:
+                state = self._rest_near()
+                if state is not None and not self._returned(state.v):
+                    return state, self._stalled(state)
+                self.landing, self.near = self.options.later * self.landing, self.options.later * self.near
+            returned = self.starting and unrest < self.problem.tolerance
+            if returned or self._restless():
+                self._raise_load(returned)
+
+    def _advance(self):
+        """Make some time steps, adapted to the stiffness here and where the state is about to be."""
+        dynamics, motion, options = self.dynamics, self.motion, self.options
+        # surfaces that are about to clash stiffen
+        stiffness = max(dynamics.interface(self.v), dynamics.interface(self.v + self.ahead))
+        if not stiffness < options.diverged * self.closed:
+            raise TooLong("the motion diverges")
+        if self.steps > options.budget:
+            raise NotConverged(f"still moving, residual {self._residual():.2g} nm, after {options.budget} steps")
+        motion.soften(stiffness, self._pace() / self.finer)
+        motion.advance(options.steps)
+        self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
+        before, self.v = self.v, dynamics.unknowns(motion.y)
+        if not np.abs(self.v).max() < options.diverged * self.unit:  # nan fails it too
+            raise TooLong("the motion diverges")
+        self.ahead = self.v - before
+        self._note_stall(before, np.abs(self.ahead).max() / (options.steps * motion.time))
+        self.problem.hold(self.v, self.load)
+        self.starting = self._near_end(self.v)
+
+    def _note_stall(self, before, speed):
+        """Keep the state before the last check if the motion was slower there than before and after."""
+        last, self._speeds = self._speeds, (self._speeds[1], speed)
+        far = np.abs(before - self.end.v).max() > self.options.stalled * self.unit
+        if last[0] > last[1] < speed and far and len(self._stalls) < self.options.stalls:
+            self._stalls.append(before)
+
+    def _stalled(self, state):
+        """Whether the motion that came to rest in a State has stalled before."""
+        far = self.options.stalled * self.unit
+        return len(self._stalls) == self.options.stalls or any(np.abs(v - state.v).max() > far for v in self._stalls)
+
+    def _pace(self):
+        """The factor of the usual steps until the next check; without inertia, steps may adapt to the speed."""
+        options, moved = self.options, np.abs(self.ahead).max() / self.unit
+        slowly = moved < 0.25 * options.crawl
+        if isfinite(self.damping):
+            slowly = slowly or self.end.kind == "flutter"
+            self._slow = self._slow and self.starting and slowly  # for good: changes of the steps add energy
+            return options.slow if self._slow else 1.0
+        if moved > options.crawl:
+            self._crawl = max(0.5 * self._crawl, 1.0)
+        elif slowly and self.steps:
+            self._crawl = min(2.0 * self._crawl, options.crawl_longest)
+        return self._crawl
+
+    def _unrest(self, bound):
+        """The larger of swing and residual, nm; the swing alone, which needs no force evaluation, beyond a bound."""
+        swing = float(np.abs(self.dynamics.unknowns(self.motion.y + self.motion.swing()) - self.v).max())
+        return swing if not swing < bound else max(swing, self._residual())
+
+    def _residual(self):
+        return self.problem.residual(self.v, self.load, self._r)
+
+    def _near_end(self, v):
+        """Whether v is still close to the end of the branch."""
+        left = self.options.left * self.options.start * self.unit
+        return self.end.located and bool(np.abs(v - self.end.v).max() < left)
+
+    def _returned(self, v):
+        """Whether v is the end of the branch or lies before it: less than half-way to the start of the motion."""
+        return self._near_end(v) and bool((v - self.end.v) @ self.away < 0.5 * (self.away @ self.away))
+
+    def _rest_near(self):
+        """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
+        corrector = Corrector(self.problem, self.options.corrector)
+        corrector.begin(State.at_rest(self.load, self.v))
+        secants, v = corrector.secants(), self.v.copy()
+        solved, farthest = corrector.solve(v, self.load, secants), self.options.corrector.longest * self.unit
+        if solved is None or np.abs(v - self.v).max() > farthest:
+            return None  # farther off they may reach other equilibria than the motion
+        # while an oscillation goes on, attempts often lead to the same state
+        self.mode = self.judge.rightmost(self.problem, v, self.mode, corrector.inverse)
+        if not self.mode.rests:
+            return None
+        solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
+        return State.at_rest(self.load, v, **solved)
+
+    def _restless(self):
+        """Whether the motion has lasted so long that it may never rest."""
+        if not isfinite(self.damping):
+            return self.steps > 10 * self.options.least
+        slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
+        period = 4.0 * np.pi / (self.dynamics.critical * slow)
+        # from an unstable state the surface falls as exp(growth t)
+        patience = self.options.patience * (period + 1.0 / self.end.growth)
+        return self.steps > self.options.least and self.elapsed > patience
+
+    def _raise_load(self, returned):
+        """Raise the load where the motion does not rest, or where it `returned`: the branch goes on a little farther.
+
+        Finer steps raise it as slowly as the usual ones. Raises TooLong or Restless where that does not help.
+        """
+        if not returned and self.finer < 4 and self.end.kind != "flutter":
+            raise TooLong("the motion does not come to rest")
+        options, most = self.options, self.options.raised_most * self.unit
+        share = min(max(0.1 * most, options.raised * (self.load - self.end.load)), most)
+        self.load += share / self.finer
+        if self.load > self.end.load + options.farthest * self.unit:
+            raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
+        self.landing = options.landing * self.unit
+        self.motion.load = self.load
