@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from . import plots
 from .cautions import cautions_of
 from .continuation.state import NotConverged
-from .following.from_run import skeleton_of
+from .following.from_run import skeleton_from, skeleton_of
 from .following.skeleton import Skeleton
 from .isolated import Lost, outcomes
 from .run.frame import Frame, slides_in
 from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
-from .run.loadpath import load_path
+from .run.loadpath import Checkpoint, Run, load_path
 from .run.summary import curves_of, fields_of, kind_of, least_force, values_of
 from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from .text import counted
@@ -61,7 +61,7 @@ class PullOff(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """A run of one scene: its Frames, and why it ended early (None: it reached the end of its path).
+    """A run of one scene: its Frames, why it ended early, if it did, and the Checkpoint at its end.
 
     Example: `simulate(Scene()).slips`
     """
@@ -69,6 +69,7 @@ class Result:
     scene: Scene
     frames: Sequence[Frame]
     failure: str | None = None
+    checkpoint: Checkpoint | None = None
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -131,8 +132,8 @@ class Result:
 
     @cached_property
     def skeleton(self) -> Skeleton:
-        """The Skeleton of the scene, from which curves at other parameters follow. Raises NotFollowed."""
-        return skeleton_of(self.scene)
+        """The Skeleton of the run, from which curves at other parameters follow. Raises NotFollowed."""
+        return skeleton_from(self.scene, self.checkpoint) if self.checkpoint else skeleton_of(self.scene)
 
     def stress(self, U_x: float, z: NDArray[np.float64] | None = None) -> Stress:
         """The stress in the layer (GPa) at the increment nearest to U_x (nm), of the first stage if several are.
@@ -237,8 +238,13 @@ def simulate(scene: Scene | None = None, progress: bool = False, load: float | N
     scene = scene or Scene()
     if load is not None:
         scene = held_at(scene, load)
-    path = load_path(scene)
-    return Result(scene, *collected(with_progress(scene, path) if progress else path))
+    frames, checkpoint, failure, path = list[Frame](), None, None, Run(scene).frames()
+    try:
+        for frame, checkpoint in with_progress(scene, path) if progress else path:  # noqa: B007  the last one counts
+            frames.append(frame)
+    except NotConverged as error:
+        failure = str(error)
+    return Result(scene, frames, failure, checkpoint)
 
 
 @one_thread()
@@ -252,8 +258,8 @@ def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
     return frames, None
 
 
-def with_progress(scene: Scene, path: Iterable[Frame], **options: Any) -> Iterable[Frame]:
-    """The Frames of a scene's path, counted by a bar on standard error; options: those of tqdm."""
+def with_progress(scene: Scene, path: Iterable[Any], **options: Any) -> Iterable[Any]:
+    """What a scene's path yields for its increments, counted by a bar on standard error; options: those of tqdm."""
     from tqdm import tqdm  # only who asks for a bar needs it
 
     count = sum(step.increments + 1 for step in load_steps_of(scene))

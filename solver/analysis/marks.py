@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..continuation.trace import Branch
+from ..continuation.trace import Branch, Trace
 from ..following.follow import follow
 from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
@@ -71,7 +71,8 @@ def _at_rest(skeleton):
     scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
     loads = np.linspace(0.0, reach, INTERVALS + 1)
     v = skeleton.unknowns(loads)
-    return replace(skeleton, scene=scene, branches=(Branch.of(loads, v),), home=0, sites=0)
+    trace = Trace((Branch.of(loads, v),), jumps=skeleton.trace.jumps)
+    return replace(skeleton, scene=scene, trace=trace)
 
 
 def _border(skeleton, name):

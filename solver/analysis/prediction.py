@@ -55,9 +55,9 @@ class Predicted:
     def drops(self) -> list[float]:
         """The drop of F_bar at the end of each branch; 0 without a slip there."""
         last = len(self.branches) - 1
-        after = [*range(1, last + 1), self.skeleton.home]
+        after = [*range(1, last + 1), self.skeleton.trace.home]
         slips = [branch.branch.slip is not None for branch in self.branches]
-        slips[last] &= bool(self.skeleton.sites)
+        slips[last] &= bool(self.skeleton.period)
         pairs = zip(self.branches, after, slips, strict=True)
         return [b.values[1, -1] - self.branches[k].values[1, 0] if slip else 0.0 for b, k, slip in pairs]
 
@@ -66,7 +66,7 @@ class Predicted:
         """[(index of a branch, periods since its first pass), ...] of each segment, in order, to AHEAD of the reach."""
         seen = min(self.seen, PART * max(self.drops)) if np.isfinite(self.seen) else np.inf
         segments: list[list[tuple[int, int]]] = [[]]
-        for index, turns in self.skeleton.passes():
+        for index, turns in self.skeleton.trace.passes():
             segments[-1].append((index, turns))
             if self._end(index, turns) > AHEAD * self.reach:
                 break
@@ -86,7 +86,7 @@ class Predicted:
 
     def _end(self, index, turns):
         """Load, nm, at which a branch ends, so many periods after its first pass."""
-        return self.branches[index].values[0, -1] + turns * (self.skeleton.period or 0.0)
+        return self.branches[index].values[0, -1] + turns * self.skeleton.period
 
     def curve(self, U_x: Floats, segment: NDArray[np.int_], names: tuple[str, ...]) -> Curve:
         """The Curve at loads U_x (k,), nm, of points in segments (k,), with derivatives by the parameters `names`."""
@@ -105,7 +105,7 @@ class Predicted:
 
     def _pass(self, index, turns, U_x, names):
         """The Curve at loads on a branch, so many periods after its first pass."""
-        branch, period = self.branches[index], self.skeleton.period or 0.0
+        branch, period = self.branches[index], self.skeleton.period
         if branch.branch.periodic:
             turns = np.floor(U_x / period)
         loads = U_x - turns * period
@@ -135,7 +135,7 @@ class Predicted:
 
     def _area(self, states, loads):
         """A_bar (k,) at loads (k,) on a branch."""
-        T = self.skeleton.tractions(states.unknowns(loads, self.skeleton.nodes))
+        T = self.skeleton.tractions(states.unknowns(loads))
         return np.array([contact_area(self.skeleton.scene, T_at) for T_at in T])
 
     def slips(self, most: int, names: tuple[str, ...]) -> Slips:

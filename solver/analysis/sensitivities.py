@@ -134,7 +134,7 @@ def _slips(skeleton, folds):
     scene, slips = skeleton.scene, []
     force = scene.width * scene.E
     unit = np.array([1.0, force, force, scene.width])  # of U_s, F_bar, L_bar, A_bar, for nm and N/m
-    for _, (index, turns) in zip(slips_in(skeleton), skeleton.passes(), strict=False):
+    for _, (index, turns) in zip(slips_in(skeleton), skeleton.trace.passes(), strict=False):
         fold, sites = folds[index], turns * skeleton.sites
         event = replace(fold.event, load=fold.event.load + sites * scene.spacing)
         bars = fold._replace(event=event).values

@@ -14,7 +14,7 @@ quasistatic  the stepper that puts these together; gfmd: the stepper that knows 
 slip         the motion from the end of a branch until Anderson steps finish it
 landing      the equilibrium in which a slip lands, and whether that depends on details of the motion
 trace        what a run has passed: branches, states between theirs, ends, and its period once it repeats itself
-replay       a stepper that moves known states on by lattice periods
+replay       an increment by a stepper, or by known states, moved on by lattice periods
 
 Nothing here knows of contacts: tests run it on problems of one and two unknowns.
 """

@@ -13,8 +13,8 @@ import numpy as np
 
 from .anderson import dot
 from .fold import FoldOptions, fold_near
-from .onset import Point, mixed, onset
-from .state import MOVED, TINY, End, State
+from .onset import mixed, onset
+from .state import MOVED, TINY, End, Point, State
 from .trace import lagrange
 
 # With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches

@@ -6,7 +6,7 @@ import numpy as np
 
 from .anderson import dot
 from .rest import Mode
-from .state import TINY, End
+from .state import TINY, End, Point
 
 SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
 # of the interval, the least part that a step leaves at either side, so that both sides move; half and twice change no
@@ -16,13 +16,6 @@ LEAST = 1e-3
 # 1e-5, and an inaccurate mode 2e-3
 SYMMETRIC = 1e-2
 HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
-
-
-class Point(NamedTuple):
-    """A point of a branch, solved for at a given arc length or load."""
-
-    load: float  # nm
-    v: np.ndarray  # (size,)
 
 
 class _Side(NamedTuple):

@@ -3,7 +3,7 @@
 A Problem is R(v; s) = 0 in unknowns v (size,) under a load s, in which R is linear. Its Dynamics are a motion that
 comes to rest in these equilibria. A Linearised describes small disturbances of one of them. Lengths are in nm, moduli
 in GPa, and each mode has unit mass. `mechanics.equilibrium` and tests/shared/toys.py fulfil the contract. A Stepper
-advances a state along the load: `quasistatic`, `gfmd`, `replay` and those of tests/shared/transients.py.
+advances a state along the load: `quasistatic`, `gfmd` and those of tests/shared/transients.py.
 """
 
 from collections.abc import Callable
@@ -119,7 +119,7 @@ class Stepper(Protocol):
     """What a run asks of a method: it advances States of one problem along its load.
 
     It is made of a problem, the damping of the transient over critical, and the stiffness of closed springs, GPa/nm
-    (see `motion.Motion`). `replay.Replay` is made of a stepper and the lattice period, nm.
+    (see `motion.Motion`).
 
     1. The state that an increment returns has a residual within the problem's tolerance.
     2. Its load is the target. It is higher only after a slip, where no equilibrium is reached before.

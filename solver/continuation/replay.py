@@ -1,78 +1,77 @@
-"""A stepper for sliding that repeats itself: it moves known states on by lattice periods and verifies them."""
+"""Sliding that repeats itself: known states are moved on by lattice periods and verified, in place of an increment."""
 
 from math import ceil
 
 import numpy as np
 
 from .corrector import Corrector
-from .problem import Problem
+from .problem import Stepper
 from .state import Increment, State
-from .trace import OPTIONS, Trace, TraceOptions
+from .trace import FEWEST, SAME, STENCIL, Branch, Trace
 
 
-class Replay:
-    """A stepper around another, for a load that is U_x, over sites `spacing` nm apart.
+def advanced(
+    stepper: Stepper, state: State, target: float, trace: Trace, spacing: float | None
+) -> tuple[Increment, Trace]:
+    """The Increment from `state` to load `target`, nm, and the Trace with what it passed; raises what the stepper does.
 
+    spacing: of the sites along the load, nm; None: repeat no states, and keep nothing but the ends passed, as `jumps`.
     The residual of each state that is moved on is evaluated; a state that is not the one expected is solved for.
     """
+    if spacing is not None and trace.period and _describes(trace):
+        repeated = _repeated(stepper.problem, state, target, trace)
+        if repeated is not None:
+            return repeated
+        trace = Trace.of(state, trace.jumps)
+    done = stepper.increment(state, target)
+    if spacing is None:
+        ends = (slip._replace(after=None) for slip in done.slips)
+        return done, Trace.of(done.state, (*trace.jumps, *ends))
+    if trace.period:  # smooth sliding between too few states
+        return done, trace
+    trace = trace.extended(done)
+    landed = bool(done.slips) and all(slip.located for slip in done.slips)
+    closes = landed or len(trace.branches) == 1
+    return done, trace.closed(stepper.problem, spacing) if closes else trace
 
-    def __init__(self, stepper, spacing, options: TraceOptions = OPTIONS):
-        self.stepper, self.spacing, self.options = stepper, spacing, options
-        self._corrector = Corrector(stepper.problem)
 
-    @property
-    def problem(self) -> Problem:
-        """The stepper's."""
-        return self.stepper.problem
+def _describes(trace):
+    """Whether states can be interpolated; short branches to a slip are nearly straight, smooth sliding is not."""
+    return not trace.branches[0].periodic or len(trace.branches[0].states) > FEWEST
 
-    def increment(self, state: State, target: float) -> Increment:
-        """As of the stepper; raises what that raises."""
-        trace = state.trace or Trace.of(state)
-        if trace.period is not None:
-            repeated = self._repeated(state, trace, target)
-            if repeated is not None:
-                return repeated
-            trace = Trace.of(state)
-        done = self.stepper.increment(state, target)
-        trace = trace.extended(done)
-        if done.slips and all(slip.located for slip in done.slips):
-            trace = trace.closed(self.problem, self.spacing, self.options)
-        return done._replace(state=done.state._replace(trace=trace))
 
-    def _repeated(self, state, trace, target):
-        """The Increment to `target` from the Trace; None if that lacks it, or it proves to be another state."""
-        turns = max(0, ceil((target - trace.end) / trace.period))
-        shift, problem = turns * trace.period, self.problem
-        load = trace.stable_from(target - shift)
-        branch = trace.branch_at(load)
-        if branch is None:
-            return None
-        if load > target - shift:  # the surface does not rest before; else `target` stays as it is, to the last bit
-            target = load + shift
-        passed = branch.at(load, self.options.stencil)
-        guess = passed.v + shift * problem.direction
-        v = guess.copy()
-        if self._corrector.problem is not problem:
-            self._corrector = Corrector(problem)
-        secants = self._corrector.secants()  # those of a state near a fold may lead to the branch beyond it
-        solved = self._corrector.solve(v, target, secants)
-        moved = np.abs(v - guess).max()
-        if solved is None or not self._same(moved, branch, load):
-            return None
-        if moved > 0.0:  # interpolation did not meet the tolerance: the trace takes the solution
-            trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
-        slips = tuple(trace.slips(state.load, target, problem.direction))
-        past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-        worst = self._corrector.worst
-        return Increment(State(target, v, past, secants, state.sharp, state.mode, False, trace, worst), slips, True)
+def _repeated(problem, state, target, trace):
+    """(the Increment to `target`, the Trace); None if that lacks the state, or it proves to be another one."""
+    turns = max(0, ceil((target - trace.end) / trace.period))
+    shift = turns * trace.period
+    load = trace.stable_from(min(target - shift, trace.end))  # rounding may lead beyond the end
+    branch = trace.branch_at(load)
+    if branch is None:
+        return None
+    if load > target - shift:  # the surface does not rest before; else `target` stays as it is, to the last bit
+        target = load + shift
+    passed = branch.at(load)
+    guess = passed.v + shift * problem.direction
+    v, corrector = guess.copy(), Corrector(problem)
+    secants = corrector.secants()  # those of a state near a fold may lead to the branch beyond it
+    solved = corrector.solve(v, target, secants)
+    if solved is None or not _same(problem, guess, v, branch, load):
+        return None
+    if not np.array_equal(v, guess):  # interpolation did not meet the tolerance: the trace takes the solution
+        trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
+    slips = trace.slips_between(state.load, target, problem.direction)
+    past = [(target, v)] if slips else [(target, v), *state.past[:4]]
+    reached = State(target, v, past, secants, state.sharp, state.mode, False, corrector.worst)
+    return Increment(reached, slips, True), trace
 
-    def _same(self, moved, branch, load):
-        """Whether a state solved for, which moved so far (nm) from the interpolated one, is the same.
 
-        Towards flutter a branch may bend sharply: as far as interpolation with fewer states differs is allowed for.
-        """
-        same = self.options.same * self.problem.unit
-        if moved <= same:
-            return True
-        coarser = branch.at(load, self.options.stencil - 2).v - branch.at(load, self.options.stencil).v
-        return bool(moved <= same + np.abs(coarser).max())
+def _same(problem, guess, v, branch: Branch, load):
+    """Whether v, solved for from the interpolated `guess`, is the same state.
+
+    Towards flutter a branch may bend sharply: as far as interpolation with fewer states differs is allowed for.
+    """
+    same, off = SAME * problem.unit, np.abs(v - guess).max()
+    if off <= same:
+        return True
+    coarser = branch.at(load, STENCIL - 2).v - branch.at(load).v
+    return bool(off <= same + np.abs(coarser).max())

@@ -8,7 +8,6 @@ from .anderson import Secants
 
 if TYPE_CHECKING:
     from .rest import Mode
-    from .trace import Trace
 
 TINY = 1e-300  # nonzero, in place of a zero in a denominator
 MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
@@ -30,6 +29,13 @@ class PulledOff(NotConverged):
     """Under a held load the contact came apart in a slip: the end of the run."""
 
 
+class Point(NamedTuple):
+    """A point of a branch: a load and the unknowns under it."""
+
+    load: float  # nm
+    v: np.ndarray  # (size,)
+
+
 class State(NamedTuple):
     """An equilibrium, with what the next increment may use of the states before it."""
 
@@ -41,7 +47,6 @@ class State(NamedTuple):
     mode: "Mode | None" = None  # the one that grows fastest, as judged last
     # True after the load control changed: check stability, and let the state relax, before continuing
     unsure: bool = False
-    trace: "Trace | None" = None  # of this load step; kept by `replay.Replay`
     residual: float = np.inf  # nm
 
     @staticmethod
@@ -78,13 +83,13 @@ class End(NamedTuple):
     # branch was lost; None: not known
     phi: np.ndarray | None = None
     kind: str = "fold"
-    after: State | None = None  # at rest again; None in a Trace, which has it as the first of the next branch
+    after: State | None = None  # at rest again; None in a Trace where it is the first state of the next branch
     sensitive: bool = False
     psi: np.ndarray | None = None  # (size,) of a fold, the left null vector, <R_s, psi> = 1; None: not known
     residual: float = np.inf  # nm, of v
     growth: float = np.inf  # 1/time, of an unstable state that the surface leaves ("control"); of other ends inf
 
-    def moved(self, distance, direction) -> "End":
+    def shifted(self, distance, direction) -> "End":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
         return self._replace(load=self.load + distance, v=self.v + distance * direction)
 

@@ -2,31 +2,27 @@
 
 If v is an equilibrium at load s, then v moved on by k sites is one at s + k a, and stable if v is. Once a slip has
 landed in a state that was passed k sites before, one period of the run describes the rest of it. A period may hold
-several slips.
+several slips, or none where the surface slides smoothly.
 """
 
 from bisect import bisect_left
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import count
 from math import ceil, floor
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from .state import TINY, End
+from .state import TINY, End, Increment, Point, State
 
-
-@dataclass(frozen=True)
-class TraceOptions:
-    """How a period is recognised, and states are interpolated."""
-
-    same: float = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
-    stencil: int = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
-
-
-OPTIONS = TraceOptions()
+SAME = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
+STENCIL = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
 NEAR = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
+MOST = 128  # states of a Trace: a period of four sites has 100; with 64, such runs take half as many evaluations more
+FEWEST = 2 * STENCIL  # states of a branch that is thinned: half of fewer would not do for interpolation
 
 
 def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
@@ -47,28 +43,21 @@ def _lagrange(nodes, x):
     return weights
 
 
-class Passed(NamedTuple):
-    """An equilibrium that the run has passed."""
-
-    load: float  # nm
-    v: np.ndarray  # (size,)
-
-
 @dataclass(frozen=True, eq=False)
 class Branch:
     """The states of one branch in order of the load, and the End that is the last one; None where it does not slip.
 
-    periodic: smooth sliding over one period: v less the load is periodic.
+    periodic: smooth sliding over one period: the last state is the first one, moved on.
     """
 
-    states: tuple[Passed, ...] = field(repr=False)
+    states: tuple[Point, ...] = field(repr=False)
     slip: End | None = field(default=None, repr=False)
     periodic: bool = False
 
     @staticmethod
     def of(loads: ArrayLike, v: np.ndarray, **more: Any) -> "Branch":
         """The Branch of states v (n, size) at loads (n,), nm."""
-        return Branch(tuple(map(Passed, np.asarray(loads, float).tolist(), v)), **more)
+        return Branch(tuple(map(Point, np.asarray(loads, float).tolist(), v)), **more)
 
     @property
     def start(self) -> float:
@@ -90,7 +79,7 @@ class Branch:
         """Unknowns of the states, (n, size)."""
         return np.array([state.v for state in self.states])
 
-    def added(self, state: Passed) -> "Branch":
+    def added(self, state: Point) -> "Branch":
         """The same with one more state, unless there is one at its load."""
         i = bisect_left(self.states, state.load - NEAR, key=lambda passed: passed.load)
         if i < len(self.states) and self.states[i].load <= state.load + NEAR:
@@ -100,12 +89,23 @@ class Branch:
     def ended(self, slip: End) -> "Branch":
         """The same up to its end; no other state has that load."""
         before = tuple(state for state in self.states if state.load < slip.load - NEAR)
-        return Branch((*before, Passed(slip.load, slip.v)), slip._replace(after=None))
+        return Branch((*before, Point(slip.load, slip.v)), slip._replace(after=None))
 
-    def moved(self, distance: float, direction: np.ndarray) -> "Branch":
+    def without(self, out: NDArray[np.int_]) -> "Branch":
+        """The same without the states of these indices."""
+        left = np.delete(np.arange(len(self.states)), out)
+        return replace(self, states=tuple(self.states[i] for i in left))
+
+    def thinned(self, n: int) -> "Branch":
+        """The same without a quarter of its first n states: those that the others describe best."""
+        out = np.arange(1, n, 2)
+        errors = np.abs(self.without(out).unknowns(self.loads[out]) - self.v[out]).max(axis=1)
+        return self.without(out[np.argsort(errors)[: ceil(out.size / 2)]])
+
+    def shifted(self, distance: float, direction: np.ndarray) -> "Branch":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
-        states = tuple(Passed(load + distance, v + distance * direction) for load, v in self.states)
-        return replace(self, states=states, slip=self.slip and self.slip.moved(distance, direction))
+        states = tuple(Point(load + distance, v + distance * direction) for load, v in self.states)
+        return replace(self, states=states, slip=self.slip and self.slip.shifted(distance, direction))
 
     def position(self, load: ArrayLike) -> NDArray[np.float64]:
         """t of loads, from 0 to 1; towards a slip the root of the distance, in which states are smooth at a fold."""
@@ -120,116 +120,174 @@ class Branch:
         part = t if self.slip is None else 1.0 - (1.0 - t) ** 2
         return self.start + (self.end - self.start) * part
 
-    def _near(self, load, stencil=OPTIONS.stencil):
-        """(index (k, s), weights (k, s)) of the states from which those at loads (k,) are interpolated."""
+    def _near(self, load, stencil):
+        """(index, weights (k, s), turns (k,)): the states at loads (k,) are weights . v[index], moved on by turns."""
         n = len(self.states) - self.periodic  # over a period, the first state counts as the last one
         t, x, size = self.position(self.loads)[:n], self.position(load), min(stencil, n)
         first = np.searchsorted(t, x) - size // 2
         if not self.periodic:
             first = np.clip(first, 0, n - size)
         index = first[:, None] + np.arange(size)
-        return index % n, lagrange(t[index % n] + index // n, x)
+        turn = index // n
+        weights = lagrange(t[index % n] + turn, x)
+        whole = np.floor((load - self.start) / max(self.end - self.start, TINY))
+        return index % n, weights, (weights * turn).sum(axis=1) + whole if self.periodic else 0.0 * x
 
-    def at(self, load: float, stencil: int = OPTIONS.stencil) -> Passed:
+    def at(self, load: float, stencil: int = STENCIL) -> Point:
         """The state at `load`, nm, between the ends of the branch."""
-        (index,), (weights,) = self._near(np.array([load]), stencil)
-        return Passed(load, weights @ np.array([self.states[i].v for i in index]))
+        (index,), (weights,), (turns,) = self._near(np.array([load]), stencil)
+        v = weights @ np.array([self.states[i].v for i in index])
+        return Point(load, v + turns * (self.states[-1].v - self.states[0].v) if self.periodic else v)
 
     def weights(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weights (k, n) of the states in those at loads (k,); beyond the ends of the branch, of its ends."""
-        out = np.zeros((len(load), len(self.states)))
-        index, weights = self._near(load)
-        np.put_along_axis(out, index, weights, axis=1)
-        return out
+        return self._weights(load)[0]
 
-    def unknowns(self, load: NDArray[np.float64], moving: int) -> NDArray[np.float64]:
-        """Unknowns (k, size) at loads (k,), nm; the first `moving` of them move on with the load."""
-        v = self.v
-        v[:, :moving] -= self.loads[:, None]
-        out = self.weights(load) @ v
-        out[:, :moving] += load[:, None]
-        return out
+    def _weights(self, load):
+        """(the `weights`, turns (k,) as of `_near`)."""
+        out = np.zeros((len(load), len(self.states)))
+        index, weights, turns = self._near(load, STENCIL)
+        np.put_along_axis(out, index, weights, axis=1)
+        return out, turns
+
+    def unknowns(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Unknowns (k, size) at loads (k,), nm; beyond the ends of the branch, unless it is periodic, of its ends."""
+        v, (weights, turns) = self.v, self._weights(load)
+        return weights @ v + np.outer(turns, v[-1] - v[0])
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """The branches of a run in order; the last one has no end yet, unless the run repeats itself.
+    """The branches of a run in order, and how it goes on: after the last one branch `home` follows, moved on.
 
-    Then `period`, nm, is known: the last slip lands where the run was at the load `home`, nm, moved on by a period.
+    period: nm, by which it is moved on; 0.0 where the run does not repeat itself, or not yet: the last branch has no
+    end then. jumps: the ends passed before, under loads that no site repeats. Treat it as read-only.
     """
 
     branches: tuple[Branch, ...]
-    period: Any = None  # nm, or None before it is known
-    home: float = 0.0
+    home: int = 0
+    period: float = 0.0
+    jumps: tuple[End, ...] = field(default=(), repr=False)
 
     @staticmethod
-    def of(state) -> "Trace":
-        """That of a run which begins with a State."""
-        return Trace((Branch((_passed(state),)),))
+    def of(state: State | Point, jumps: tuple[End, ...] = ()) -> "Trace":
+        """That of a run which begins with a state."""
+        return Trace((Branch((Point(*state[:2]),)),), jumps=jumps)
 
     @property
     def end(self) -> float:
         """Load of the last state, nm."""
         return self.branches[-1].end
 
-    def extended(self, increment) -> "Trace":
+    @property
+    def lands(self) -> float:
+        """Load, nm, at which the surface rests after the last slip of a period: that of the slip, or a higher one."""
+        slip = self.branches[-1].slip
+        return slip.after.load if slip and slip.after else self.end
+
+    def extended(self, increment: Increment) -> "Trace":
         """With what an Increment passed."""
         *before, last = self.branches
         for slip in increment.slips:
             before.append(last.ended(slip))
-            last = Branch((_passed(slip.after),))
-        return replace(self, branches=(*before, last.added(_passed(increment.state))))
+            assert slip.after is not None
+            last = Branch((Point(*slip.after[:2]),))
+        return replace(self, branches=(*before, last.added(Point(*increment.state[:2])))).bounded()
 
-    def added(self, branch: Branch, state: Passed) -> "Trace":
+    def added(self, branch: Branch, state: Point) -> "Trace":
         """With one more state of one of its branches."""
+        return self._with(branch, branch.added(state)).bounded()
+
+    def _with(self, branch, new):
+        """With another Branch in the place of one of its branches."""
         k = self.branches.index(branch)
-        return replace(self, branches=(*self.branches[:k], branch.added(state), *self.branches[k + 1 :]))
+        return replace(self, branches=(*self.branches[:k], new, *self.branches[k + 1 :]))
 
-    def closed(self, problem, spacing: float, options: TraceOptions = OPTIONS) -> "Trace":
-        """With its period, if the state in which the last slip has landed was passed some sites before.
+    def bounded(self) -> "Trace":
+        """With at most MOST states: the longest branch is thinned, or if all are short, the first one left out."""
+        trace = self
+        while sum(len(branch.states) for branch in trace.branches) > MOST:
+            longest = max(trace.branches, key=lambda branch: len(branch.states))
+            if len(longest.states) >= FEWEST:
+                trace = trace._with(longest, longest.thinned(len(longest.states) - 1))
+            elif trace.period and not trace.home:  # all of them are needed
+                break
+            else:
+                trace = replace(trace, branches=trace.branches[1:], home=max(trace.home - 1, 0))
+        return trace
 
-        spacing: of sites, nm.
+    def closed(self, problem, spacing: float) -> "Trace":
+        """With its period, if the run has come to where it was some sites before; spacing: of sites, nm.
+
+        After slips that is the state in which the last one has landed; without any, the first one.
         """
+        if len(self.branches) == 1:
+            return self._smooth(problem, spacing)
         landed, first = self.branches[-1].states[0], self.branches[0].start
-        slip, same = self.branches[-2].end, options.same * problem.unit
+        slip = self.branches[-2].end
         for sites in range(1, floor((slip - first + NEAR) / spacing) + 1):
             period = sites * spacing
             home = landed.load - period
             branch = self.branch_at(max(home, first))
             if branch is None or len(branch.states) < 2:
                 continue
-            if np.abs(branch.at(home, options.stencil).v + period * problem.direction - landed.v).max() <= same:
-                k = self.branches.index(branch)
-                if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
-                    return self
-                if home < first:  # the slip lands in a state from before the run began
-                    branch = branch.added(Passed(home, landed.v - period * problem.direction))
-                return Trace((*self.branches[:k], branch, *self.branches[k + 1 : -1]), period, home)
+            if _apart(branch.at(home).v + period * problem.direction, landed.v) <= SAME * problem.unit:
+                return self._from(branch, landed, period, problem.direction)
         return self
+
+    def _from(self, branch, landed, period, direction):
+        """Closed by a slip that has landed in a state of `branch`, a period before."""
+        k, home = self.branches.index(branch), landed.load - period
+        if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
+            return self
+        *branches, last = self.branches[:-1]
+        after = None if landed.load <= last.end + NEAR else State(landed.load, landed.v, [])
+        branches.append(replace(last, slip=last.slip._replace(after=after)))
+        if home < self.branches[0].start:  # the slip lands in a state from before the run began
+            branches[k] = branches[k].added(Point(home, landed.v - period * direction))
+        while (n := int(np.searchsorted(branches[k].loads, home)) - STENCIL) > FEWEST:  # they are not repeated
+            branches[k] = branches[k].thinned(n)
+        return replace(self, branches=tuple(branches), home=k, period=period)
+
+    def _smooth(self, problem, spacing):
+        """Closed by the state a site after the first one, if there was no slip in between."""
+        (branch,), (load, v) = self.branches, self.branches[0].states[0]
+        end = Point(load + spacing, v + spacing * problem.direction)
+        if branch.end < end.load - NEAR or _apart(branch.at(end.load).v, end.v) > SAME * problem.unit:
+            return self
+        states = (*(state for state in branch.states if state.load < end.load - NEAR), end)
+        return replace(self, branches=(Branch(states, periodic=True),), period=spacing)
 
     def branch_at(self, load: float) -> Branch | None:
         """The ended branch that holds that load, nm."""
         for branch in reversed(self.branches):
-            if branch.slip is not None and branch.start - NEAR <= load <= branch.end:
+            if (branch.slip is not None or branch.periodic) and branch.start - NEAR <= load <= branch.end:
                 return branch
         return None
 
     def stable_from(self, load: float) -> float:
         """The next load, nm, at which the surface rests: after a slip it may be a higher one than the slip's."""
-        if load < self.home:
-            return self.home
+        if load < self.lands - self.period:
+            return self.lands - self.period
         after = [branch.start for branch in self.branches if branch.start >= load]
         return load if self.branch_at(load) is not None or not after else min(after)
 
-    def slips(self, low: float, high: float, direction: np.ndarray) -> list[End]:
+    def passes(self) -> Iterator[tuple[int, int]]:
+        """Yields (index of a branch, periods since its first pass) in the order of the run; endless if that repeats."""
+        yield from ((index, 0) for index in range(len(self.branches)))
+        for turns in count(1) if self.period else ():
+            yield from ((index, turns) for index in range(self.home, len(self.branches)))
+
+    def slips_between(self, low: float, high: float, direction: np.ndarray) -> tuple[End, ...]:
         """The Ends of a run that repeats itself at loads above `low`, up to `high`, nm; direction: the problem's."""
-        slips, first = [], self.branches.index(self.branch_at(max(self.home, self.branches[0].start)))
+        slips, again = list[End](), self.branches[self.home :]
         for turns in range(ceil((low - self.end) / self.period), ceil((high - self.end) / self.period) + 1):
             shift = turns * self.period
-            passed = (b.slip for b in self.branches[first:] if b.slip and low < b.end + shift <= high)
-            slips += [slip.moved(shift, direction) for slip in passed]
-        return slips
+            passed = (b.slip for b in again if b.slip and low < b.end + shift <= high)
+            slips += [slip.shifted(shift, direction)._replace(after=None) for slip in passed]
+        return tuple(slips)
 
 
-def _passed(state) -> Passed:
-    return Passed(state.load, state.v)
+def _apart(v, w):
+    """The largest difference of unknowns, nm."""
+    return np.abs(v - w).max()

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..continuation.inverse import Solves
 from ..continuation.state import NotConverged
-from ..continuation.trace import Branch
+from ..continuation.trace import Branch, Trace
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..run.load_steps import sideways, vertical
@@ -100,8 +100,8 @@ def _moved(contact, skeleton):
         return without_contact(contact, skeleton, jumps)
     if skeleton.contact is not None:
         return None
-    held, branches, residual = _branches(contact, skeleton)
-    new = replace(skeleton, scene=scene, branches=branches, jumps=jumps or (), held=held, residual=residual)
+    held, trace, residual = _trace(contact, skeleton, jumps or ())
+    new = replace(skeleton, scene=scene, trace=trace, held=held, residual=residual)
     if jumps is None:
         refuse_apart(contact, new)
     return replace(new, lost=jumps is None)
@@ -109,7 +109,7 @@ def _moved(contact, skeleton):
 
 def _jumps(contact, skeleton):
     """The folds of the approach; None where they are lost."""
-    scene, old, jumps = contact.scene, skeleton.scene, skeleton.jumps
+    scene, old, jumps = contact.scene, skeleton.scene, skeleton.trace.jumps
     if skeleton.lost:
         return None
     same = all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in PATH)
@@ -122,9 +122,9 @@ def _jumps(contact, skeleton):
         return None
 
 
-def _branches(contact, skeleton):
-    """(Held or None, the Branches, the largest residual of their states, nm)."""
-    scene, old, held = contact.scene, skeleton.branches, None
+def _trace(contact, skeleton, jumps):
+    """(Held or None, the Trace, the largest residual of its states, nm)."""
+    scene, old, home, held = contact.scene, skeleton.branches, skeleton.trace.home, None
     problem = Equilibrium(contact, sideways(1.0, -scene.delta))
     if scene.hold == "load":
         held = followed_held(contact, skeleton.held, scene.delta - skeleton.scene.delta)
@@ -133,17 +133,17 @@ def _branches(contact, skeleton):
     solver, period = Solver(problem, scene.damping), skeleton.sites * scene.spacing
     folds = moved_folds(solver, old)
     start, branches = old[0].start, list[Branch]()
-    if period and folds[-1] and not skeleton.home:  # the states in which slips land belong to the first branch
+    if period and folds[-1] and not home:  # the states in which slips land belong to the first branch
         start = min(0.0, folds[-1].load - period)
     for k, (branch, fold) in enumerate(zip(old, folds, strict=True), 1):
         end = fold.load if fold else scene.spacing if branch.periodic else scene.u_x_max
         new = moved_branch(solver, branch, start, end, fold, k)
         branches.append(refined(scene, skeleton.first, solver, new, k))
         start = new.end
-    if period and folds[-1] and branches[skeleton.home].start > start - period + NO_LATER:
+    if period and folds[-1] and branches[home].start > start - period + NO_LATER:
         raise NotFollowed("a slip lands before the first state of the branch that should follow it")
-    refuse_disorder([fold.load for fold in folds if fold], skeleton.home, period)
-    return held, tuple(branches), solver.residual
+    refuse_disorder([fold.load for fold in folds if fold], home, period)
+    return held, Trace(tuple(branches), home, period, jumps), solver.residual
 
 
 def refuse_disorder(loads: Sequence[float], home: int, period: float) -> None:
@@ -193,7 +193,8 @@ def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skele
     guesses = v + np.outer(loads, solver.problem.direction)
     guess = Branch.of(loads, guesses, periodic=True)
     branch = refined(scene, skeleton.first, solver, moved_branch(solver, guess, 0.0, scene.spacing, None, 1), 1)
-    return Skeleton(scene, skeleton.first, (branch,), sites=1, jumps=jumps, contact=skeleton.contact or skeleton)
+    trace = Trace((branch,), period=scene.spacing, jumps=jumps)
+    return Skeleton(scene, skeleton.first, trace, contact=skeleton.contact or skeleton)
 
 
 def _apart(solver):

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from ..continuation.trace import Branch, Trace
+from ..continuation.trace import Trace
 from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
 from ..scene import Scene
@@ -15,7 +15,6 @@ from .moved import NotFollowed
 from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
-SAME = 0.01  # delta_n or delta_t, the smaller: closer states are the same; others differ by a good part of a site
 ALIKE = 1e-4  # nm, between ends of branches that are the same
 MOST = 12  # branches: nearly all sliding runs repeat themselves after three
 FEWEST = 3  # states of a branch, from which others can be interpolated
@@ -55,12 +54,12 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     if not isinstance(checkpoint, Checkpoint):
         remedy = "give the checkpoint that `advance` returns, or use skeleton_of(scene)"
         raise TypeError(f"checkpoint = {type(checkpoint).__name__}; allowed: a Checkpoint; {remedy}")
-    trace = checkpoint.state.trace if checkpoint.state else None
+    trace = checkpoint.trace if checkpoint.stage == "shear" else None
     if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
         raise NotFollowed("the run has not slid yet, or was not recorded from its start")
     whole = trace.branches[0].states[0].v.size // 2 == scene.nodes
     first, spent = 0 if whole else patch(scene)[0], [0]
-    guess, passed = _guess(scene, first, trace, checkpoint.jumps)
+    guess, passed = _guess(scene, first, trace)
     skeleton = moved(guess, scene, spent)
     _compare(skeleton, passed, guess)
     return replace(skeleton, evaluations=spent[0])
@@ -71,58 +70,35 @@ def _refuse_path(scene):
         raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
 
 
-def _guess(scene, first, trace: Trace, jumps):
-    """(the Skeleton of states of the trace, not solved for; the Branches that it describes)."""
-    begin, branches = trace.branches[0], list(trace.branches)
+def _guess(scene, first, trace: Trace):
+    """(the Skeleton of states of the Trace, not solved for; the Branches that it describes)."""
+    begin, branches, home = trace.branches[0], list(trace.branches), trace.home
     m = begin.states[0].v.size // 2
     held = Held(begin.states[0].v[: 2 * m]) if scene.hold == "load" else None
     if begin.slip and begin.slip.kind == "control":
-        branches = branches[1:]
-    home, sites = 0, 0
-    if trace.period is not None:
-        home, sites = _home(branches, trace.home), round(trace.period / scene.spacing)
-        branches, home = _longest(branches, home, sites * scene.spacing, m)
-    elif len(branches) == 1 and (smooth := _one_period(scene, branches[0], m)):
-        branches, sites = [smooth], 1
+        branches, home = branches[1:], max(home - 1, 0)
+    if trace.period:
+        branches, home = _longest(branches, home, trace.period, m)
     elif branches[-1].end < scene.u_x_max - scene.du_x * scene.delta_t:
         raise NotFollowed("the run has not come to where it repeats itself")
     if len(branches) > MOST:
         raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
     made = tuple(_branch(scene, first, branch) for branch in branches)
-    lost = any(slip.kind != "fold" for slip in jumps)
-    return Skeleton(scene, first, made, home, sites, () if lost else jumps, lost, held=held), branches
-
-
-def _home(branches, load):
-    return max(k for k, branch in enumerate(branches) if k == 0 or branch.start <= load + ALIKE)
+    lost = any(slip.kind != "fold" for slip in trace.jumps)
+    described = Trace(made, home, trace.period, () if lost else trace.jumps)
+    return Skeleton(scene, first, described, lost, held=held), branches
 
 
 def _longest(branches, home, period, m):
-    """(branches, home), the branch before `home` left out where it is but a part of the last one, a period before."""
+    """(branches, home) without the branch before `home`, if that is a part of the last one, a period before."""
     if not home:
         return branches, home
     part, last = branches[home - 1], branches[-1]
     if last.start - period > part.start or abs(last.end - period - part.end) > ALIKE:
         return branches, home
-    return [*branches[: home - 1], last.moved(-period, _along(last, m)), *branches[home:-1]], home - 1
-
-
-def _along(branch, m):
-    """The change (size,) of unknowns that move on with the load."""
-    along = np.zeros(branch.states[0].v.size)
+    along = np.zeros(last.states[0].v.size)  # the unknowns that move on with the load
     along[:m] = 1.0
-    return along
-
-
-def _one_period(scene, branch: Branch, m):
-    """The first period of a Branch that slides smoothly, or None if it does not repeat itself."""
-    a, first = scene.spacing, branch.states[0]
-    end = first._replace(load=first.load + a, v=first.v + a * _along(branch, m))
-    if branch.end < end.load:
-        return None
-    if np.abs(branch.at(end.load).v - end.v).max() > SAME * min(scene.delta_n, scene.delta_t):
-        return None
-    return Branch((*(state for state in branch.states if state.load < end.load - ALIKE), end), periodic=True)
+    return [*branches[: home - 1], last.shifted(-period, along), *branches[home:-1]], home - 1
 
 
 def _branch(scene, first, branch):

@@ -12,8 +12,8 @@ from ..continuation.corrector import Corrector
 from ..continuation.fold import FoldOptions, fold_near
 from ..continuation.problem import Problem
 from ..continuation.rest import Judge
-from ..continuation.state import End, State
-from ..continuation.trace import Branch, Passed, lagrange
+from ..continuation.state import End, Point, State
+from ..continuation.trace import Branch, lagrange
 
 TOLERANCE = 1e-5  # nm, of residuals: the forces of followed runs are right to 1e-4
 SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
@@ -38,15 +38,13 @@ class NotFollowed(Exception):
 class Solver:
     """Solves a `continuation.problem.Problem`; its failures are NotFollowed.
 
-    Attributes: moving, how many unknowns move on with the load, which come first; residual, nm, the largest of all
-    solutions.
+    Attributes: residual, nm, the largest of all solutions.
     """
 
     def __init__(self, problem: Problem, damping: float = 1.0, tolerance: float = TOLERANCE) -> None:
         """damping: of the motion, over critical; tolerance: of residuals, nm, unless the problem's is larger."""
         self.problem = problem = problem.solved_to(max(tolerance, problem.tolerance))
         self.corrector, self.damping = Corrector(problem), damping
-        self.moving = int(np.count_nonzero(problem.direction))
         self.secants, self._begun, self.residual = self.corrector.secants(), False, 0.0
 
     def state(self, guess: np.ndarray, load: float, what: str, surprise: float = SURPRISE) -> np.ndarray:
@@ -97,10 +95,10 @@ def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: En
         raise NotFollowed(f"branch {number} has no states left", nearer=True)
     loads = start + (end - start) * ((old.loads - old.start) / (old.end - old.start))
     if fold is None:
-        first = Passed(start, solver.state(old.states[0].v, start, what, FIRST))
+        first = Point(start, solver.state(old.states[0].v, start, what, FIRST))
         states = _solved(solver, old.states, loads.tolist(), first, what)
     else:
-        first = Passed(fold.load, fold.v)
+        first = Point(fold.load, fold.v)
         states = _solved(solver, old.states[::-1], loads.tolist()[::-1], first, what)[::-1]
     return replace(old, states=tuple(states), slip=fold)
 
@@ -116,6 +114,6 @@ def _solved(solver, old, loads, first, what):
             steps = np.diff([state.v for state in old[i - 1 : i + 2]], axis=0)
             surprise = max(SURPRISE, np.abs(steps).max() / solver.problem.unit)
         v = solver.state(old[i].v + change, loads[i], what, surprise)
-        states.append(Passed(loads[i], v))
+        states.append(Point(loads[i], v))
         changes.append(v - old[i].v)
     return states

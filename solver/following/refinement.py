@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..continuation.state import TINY
-from ..continuation.trace import OPTIONS, Branch, Passed
+from ..continuation.state import TINY, Point
+from ..continuation.trace import FEWEST, STENCIL, Branch
 from ..scene import Scene
 from .moved import SURPRISE, Solver
 from .skeleton import tractions
@@ -15,7 +15,6 @@ ERROR = 2e-4  # of the largest force, between states: a fifth of what followed r
 # of even ones. With 4, 2 % of 149 moves were off by more than 1e-3
 ORDER, LIMIT = 3, 6
 FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where it jerks
-FEWEST = 2 * OPTIONS.stencil  # states: half of fewer would not do for interpolation, so no error could be estimated
 
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
@@ -39,7 +38,7 @@ def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
         ]  # with a larger error, the others would have to be divided again
         if not out.size:
             break
-        branch = _without(branch, set(out.tolist()))
+        branch = branch.without(out)
     return branch
 
 
@@ -58,20 +57,15 @@ def _position(branch):
     return t
 
 
-def _without(branch, out):
-    """The Branch without the states `out`."""
-    return replace(branch, states=tuple(state for i, state in enumerate(branch.states) if i not in out))
-
-
 def divided(solver: Solver, branch: Branch, where: np.ndarray, number: int) -> Branch:
     """The same Branch with one more state in the middle of each of the intervals `where`."""
     t = _position(branch)
     loads = branch.load_at(0.5 * (t[where] + t[where + 1]))
     states, what = [], f"a state of branch {number}"
-    for guess, load, k in zip(branch.unknowns(loads, solver.moving), loads.tolist(), where, strict=True):
+    for guess, load, k in zip(branch.unknowns(loads), loads.tolist(), where, strict=True):
         before, after = branch.states[k : k + 2]
         gap = np.abs(after.v - before.v).max() / solver.problem.unit  # within it, a state may be anywhere
-        states.append(Passed(load, solver.state(guess, load, what, max(gap, SURPRISE))))
+        states.append(Point(load, solver.state(guess, load, what, max(gap, SURPRISE))))
     return replace(branch, states=tuple(sorted((*branch.states, *states), key=lambda state: state.load)))
 
 
@@ -88,9 +82,9 @@ def forces_of(scene: Scene, first: int, v: np.ndarray, minor: float = 1e-2) -> t
 def _errors(scene, first, branch, begin):
     """(every second state from `begin` on, errors of their forces interpolated from the others, over the largest)."""
     out = np.arange(begin, len(branch.states) - 1, 2)
-    if len(branch.states) // 2 < OPTIONS.stencil:
+    if len(branch.states) // 2 < STENCIL:
         return out, np.zeros(out.size)
     v = branch.v
-    between = _without(branch, set(out.tolist())).unknowns(branch.loads[out], v.shape[1] // 2)
+    between = branch.without(out).unknowns(branch.loads[out])
     exact, largest = forces_of(scene, first, v)
     return out, (np.abs(forces_of(scene, first, between)[0] - exact[out]) / largest).max(axis=1)

@@ -1,15 +1,13 @@
 """A run that slides, known by its branches until they repeat: it gives the run at any load."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..continuation.state import End, State
-from ..continuation.trace import Branch
+from ..continuation.state import State
+from ..continuation.trace import Branch, Trace
 from ..mechanics.cohesive_law import traction
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
@@ -33,40 +31,48 @@ class Held:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Skeleton:
-    """The shear of a scene: its branches in order. After the last one, branch `home` follows, shifted by `sites`.
+    """The Trace of a whole shear, and its scene.
 
-    sites: 0 where the run does not repeat itself; the branches then reach to u_x_max. Unknowns are those of a patch
-    from node `first` on. jumps: folds of the approach, loads delta (nm). Treat it as read-only.
+    Without a period, the branches reach to u_x_max. Unknowns are those of a patch from node `first` on. The trace's
+    jumps are the folds of the approach, loads delta (nm). Treat it as read-only.
 
     Example: `skeleton_of(Scene()).slips`
     """
 
     scene: Scene = field(repr=False)
     first: int
-    branches: tuple[Branch, ...]
-    home: int = 0
-    sites: int = 0
-    jumps: tuple[End, ...] = field(default=(), repr=False)
-    lost: bool = False  # whether there are jumps that are not among `jumps`
+    trace: Trace
+    lost: bool = False  # whether there are jumps that are not among those of the trace
     evaluations: int = 0  # force evaluations spent in getting it
     residual: float = np.inf  # nm, the largest of its states
     contact: "Skeleton | None" = field(default=None, repr=False)  # without contact: that in contact, for the way back
     held: Held | None = field(default=None, repr=False)  # under a held load
 
     def __repr__(self) -> str:
-        period = f"repeats itself after {self.period:.6g} nm" if self.sites else "does not repeat itself"
+        period = f"repeats itself after {self.period:.6g} nm" if self.period else "does not repeat itself"
         count = f"{len(self.branches)} branch{'es' * (len(self.branches) != 1)}"
         return f"Skeleton of {self.scene!r}: {count}, {period}, {self.evaluations} force evaluations"
 
     @property
-    def period(self) -> float | None:
-        """The load, nm, after which everything repeats, or None."""
-        return self.sites * self.scene.spacing if self.sites else None
+    def branches(self) -> tuple[Branch, ...]:
+        """The branches in order, up to u_x_max or to where the run repeats itself."""
+        return self.trace.branches
+
+    @property
+    def period(self) -> float:
+        """The load, nm, after which everything repeats; 0.0 where nothing does."""
+        return self.trace.period
+
+    @property
+    def sites(self) -> int:
+        """The period in sites of the lattice."""
+        return round(self.period / self.scene.spacing)
 
     @property
     def jumps_in(self) -> float | None:
         """delta_bar at which the surfaces jump into contact on approach, or None."""
-        return self.jumps[0].load / self.scene.delta_0 if self.jumps else None
+        jumps = self.trace.jumps
+        return jumps[0].load / self.scene.delta_0 if jumps else None
 
     @property
     def nodes(self) -> int:
@@ -88,18 +94,12 @@ class Skeleton:
             at_end = forces_and_area(self.scene, self.tractions(self.held.v[None])[0])
             events.append(SlipEvent(0.0, *at_end, "shear", self.held.kind, True))
         at_ends = [forces_and_area(self.scene, self.tractions(b.states[-1].v[None])[0]) for b in self.branches]
-        for index, turns in self.passes():
-            load = self.branches[index].end + turns * (self.period or 0.0)
+        for index, turns in self.trace.passes():
+            load = self.branches[index].end + turns * self.period
             if self.branches[index].slip is None or load > self.scene.u_x_max:
                 break
             events.append(SlipEvent(load, *at_ends[index], "shear"))
         return tuple(events)
-
-    def passes(self) -> Iterator[tuple[int, int]]:
-        """Yields (index of a branch, periods since its first pass) in the order of the run; endless if that repeats."""
-        yield from ((index, 0) for index in range(len(self.branches)))
-        for turns in count(1) if self.sites else ():
-            yield from ((index, turns) for index in range(self.home, len(self.branches)))
 
     def curve(self, U_x: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """(F_bar, L_bar, A_bar), arrays, at loads U_x (k,) nm."""
@@ -131,16 +131,16 @@ class Skeleton:
         """
         U_x = np.atleast_1d(np.asarray(U_x, float))
         ends, step = np.array([branch.end for branch in self.branches]), self.scene.du_x * self.scene.delta_t
-        first, last = self.branches[0].start, np.inf if self.sites else max(ends[-1], self.scene.u_x_max)
+        first, last = self.branches[0].start, np.inf if self.period else max(ends[-1], self.scene.u_x_max)
         if (outside := U_x[(U_x < first - step) | (U_x > last + step)]).size:
             allowed = f"allowed for this run: {first:g} .. {last:g} nm"
             raise ValueError(f"U_x = {outside[0]:g}: {allowed}; choose another, or compute a run of larger u_x_max")
-        shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.sites else 0.0 * U_x
+        shift = np.maximum(0.0, np.ceil((U_x - ends[-1]) / self.period)) * self.period if self.period else 0.0 * U_x
         index = np.minimum(np.searchsorted(ends, U_x - shift), ends.size - 1)
         v = np.empty((U_x.size, self.branches[0].states[0].v.size))
         for k, branch in enumerate(self.branches):
             mine = index == k
-            v[mine] = branch.unknowns(U_x[mine] - shift[mine], self.nodes)
+            v[mine] = branch.unknowns(U_x[mine] - shift[mine])
         v[:, : self.nodes] += shift[:, None]
         return v
 

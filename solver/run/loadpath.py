@@ -9,9 +9,10 @@ import numpy as np
 
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic, QuasiStaticOptions
-from ..continuation.replay import Replay
+from ..continuation.replay import advanced
 from ..continuation.rest import RestOptions
-from ..continuation.state import End, NotConverged, OutOfTime, PulledOff, Restless, State
+from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
+from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
@@ -40,12 +41,12 @@ class Checkpoint(NamedTuple):
     stage: str = "approach"
     increment: int = 0  # the next one, within its stage
     state: State | None = None
+    trace: Trace | None = None  # what the stage has passed, and the ends of the one before
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
     late: bool = False  # whether only the time limit ended it: see `slices.in_time`
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
-    jumps: tuple[End, ...] = ()  # slips of the approach
 
 
 def load_path(
@@ -132,33 +133,31 @@ class Run:
         self._place = None  # until the increment is done: where it ends early, the problem may have grown
         before = stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
-        index, self.done = self._increment(step, checkpoint.increment, state)
-        done = self.done
-        problem = stepper.problem
+        index, done, trace = self._increment(step, checkpoint.increment, state, checkpoint.trace or Trace.of(state))
+        self.done, problem = done, stepper.problem
         events = tuple(self._event(step, slip) for slip in done.slips)
         numbers = step.stage, index, done.residual, problem.evaluations - before
         frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
-        after = self._after(checkpoint, load_steps, step, index, done)
-        if step.stage == "approach" and done.slips:
-            after["jumps"] = *checkpoint.jumps, *(slip._replace(after=None) for slip in done.slips)
-        return frame, checkpoint._replace(**after)
+        return frame, checkpoint._replace(**self._after(checkpoint, load_steps, step, index, done.state, trace))
 
-    def _increment(self, step, index, state):
-        """(its index, the Increment) to the next increment of `step`, from `index` on, at whose load the surface rests.
+    def _increment(self, step, index, state, trace):
+        """(index, Increment, Trace) of the next increment of `step`, from `index` on, at whose load the surface rests.
 
         After a slip that may be a later one: there is no frame at the loads before. Beyond the last, that one shows it.
         """
-        load, slips = step.at(index), ()
+        repeats = self._fast and "translation" in self.leave_out and not step.loading.direction[1]
+        load, slips, spacing = step.at(index), (), self.scene.spacing if repeats else None
         try:
-            done = self.stepper.increment(state, load)
+            done, trace = advanced(self.stepper, state, load, trace, spacing)
             while done.state.load > load and index < step.increments:
                 slips += done.slips
                 index += 1
-                load = step.at(index)
-                done = done._replace(slips=()) if done.state.load > load else self.stepper.increment(done.state, load)
+                load, done = step.at(index), done._replace(slips=())
+                if done.state.load <= load:
+                    done, trace = advanced(self.stepper, done.state, load, trace, spacing)
         except NotConverged as failure:
             raise with_remedy(failure, self.scene, step, load, self._fast) from None
-        return index, done._replace(slips=slips + done.slips)
+        return index, done._replace(slips=slips + done.slips), trace
 
     def _stepper_of(self, step, checkpoint):
         """The stepper of a step."""
@@ -169,18 +168,16 @@ class Run:
         problem = step.problem(Contact(scene, *self.patch), checkpoint.pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
         options = {"options": DRIVEN} if self._fast and sudden else {}
-        stepper = METHODS.get(self.method, self.method)(problem, scene.damping, closed_stiffness(scene), **options)
-        if self._fast and "translation" in self.leave_out and not step.loading.direction[1]:
-            stepper = Replay(stepper, scene.spacing)
-        self.stepper, self._place = stepper, place
-        return stepper
+        method = METHODS.get(self.method, self.method)
+        self.stepper, self._place = method(problem, scene.damping, closed_stiffness(scene), **options), place
+        return self.stepper
 
-    def _after(self, checkpoint, load_steps, step, index, done):
+    def _after(self, checkpoint, load_steps, step, index, state, trace):
         """What is new of the Checkpoint after increment `index`: one on, or at the beginning of the next step."""
-        problem, state, last = self.stepper.problem, done.state, index >= step.increments
+        problem, last = self.stepper.problem, index >= step.increments
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
-        progress = {"increment": index + 1, "state": state, "load_steps": load_steps}
+        progress = {"increment": index + 1, "state": state, "trace": trace, "load_steps": load_steps}
         if not last:
             return progress
         following = load_steps[load_steps.index(step) + 1 :]
@@ -190,7 +187,8 @@ class Run:
         if not step.held:
             pressure = problem.contact.pressure(problem.traction(state.v)[1])
         state = _turned(problem, state, step.held, following[0])
-        return progress | {"stage": following[0].stage, "increment": 0, "state": state, "pressure": pressure}
+        begun = {"stage": following[0].stage, "increment": 0, "state": state, "trace": Trace.of(state, trace.jumps)}
+        return progress | begun | {"pressure": pressure}
 
     def _free(self, step, problem, state):
         """Whether a retraction ends: the layer is undeformed, to FREE, or the top at HIGHEST."""

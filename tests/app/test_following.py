@@ -322,7 +322,7 @@ def test_a_predicted_state_that_is_not_finite_counts_as_not_followed(runs, monke
         there = follow(skeleton, scene)
         first, *others = there.branches
         states = [state._replace(v=np.full_like(state.v, np.nan)) for state in first.states]
-        return replace(there, branches=(replace(first, states=states), *others))
+        return replace(there, trace=replace(there.trace, branches=(replace(first, states=states), *others)))
 
     monkeypatch.setattr(following, "follow", broken)
     assert "not finite" in following.followed(runs[SCENE].skeleton, NEXT, 9.0)

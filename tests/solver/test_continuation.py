@@ -16,9 +16,12 @@ from solver.continuation.gfmd import Gfmd
 from solver.continuation.inverse import Solves
 from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
-from solver.continuation.replay import Replay
-from solver.continuation.state import End, NotConverged
-from solver.continuation.trace import Branch, Passed, lagrange
+from solver.continuation.replay import advanced
+from solver.continuation.state import End, NotConverged, Point
+from solver.continuation.trace import MOST, Branch, Trace, lagrange
+
+A, PERIOD = 1.0, 2.4
+Q = 2.0 * np.pi / PERIOD
 
 
 def followed(stepper, state, targets):
@@ -29,6 +32,17 @@ def followed(stepper, state, targets):
             done.append(stepper.increment(state, target))
             state = done[-1].state
     return done
+
+
+def replayed(stepper, state, targets, trace=None, spacing=PERIOD):
+    """(the Increments to those loads, the Trace at their end), with known states moved on by sites."""
+    done, trace = [], trace or Trace.of(state)
+    for target in targets:
+        if target > state.load:
+            increment, trace = advanced(stepper, state, target, trace, spacing)
+            done.append(increment)
+            state = increment.state
+    return done, trace
 
 
 def slips_of(increments):
@@ -78,10 +92,6 @@ def test_a_branch_that_does_not_end_is_followed_without_slips():
 
 
 # Prandtl-Tomlinson
-
-
-A, PERIOD = 1.0, 2.4
-Q = 2.0 * np.pi / PERIOD
 
 
 def tomlinson_fold(A=A):
@@ -187,8 +197,7 @@ class Bare:
 
 def test_replay_needs_no_more_of_a_stepper_than_the_contract():
     toy = lattice((A, 0.0), period=PERIOD)
-    stepper = Replay(Bare(QuasiStatic(toy, inf, A * Q)), PERIOD)
-    done = followed(stepper, toy.at_rest(0.0, 0.0), np.arange(0.1, 9.0, 0.1))
+    done, _ = replayed(Bare(QuasiStatic(toy, inf, A * Q)), toy.at_rest(0.0, 0.0), np.arange(0.1, 9.0, 0.1))
     assert any(increment.repeated for increment in done)
 
 
@@ -198,13 +207,12 @@ def test_every_stepper_reaches_the_same_states(damping):
     toys = [lattice((A, 0.0), period=PERIOD, k=1.0) for _ in range(3)]
     for toy in toys:
         toy.tolerance = 1e-10
-    steppers = [
-        Gfmd(toys[0], damping, A * Q),
-        QuasiStatic(toys[1], damping, A * Q),
-        Replay(QuasiStatic(toys[2], damping, A * Q), PERIOD),
-    ]
     targets = np.arange(0.1, 9.0, 0.1)
-    runs = [followed(stepper, toy.at_rest(0.0, 0.0), targets) for stepper, toy in zip(steppers, toys, strict=True)]
+    runs = [
+        followed(Gfmd(toys[0], damping, A * Q), toys[0].at_rest(0.0, 0.0), targets),
+        followed(QuasiStatic(toys[1], damping, A * Q), toys[1].at_rest(0.0, 0.0), targets),
+        replayed(QuasiStatic(toys[2], damping, A * Q), toys[2].at_rest(0.0, 0.0), targets)[0],
+    ]
     states = np.array([[done.state.v[0] for done in run] for run in runs])
     assert states[1] == pytest.approx(states[0], abs=1e-8)
     assert states[2] == pytest.approx(states[0], abs=1e-8)
@@ -479,7 +487,7 @@ def test_translated_known_states_are_exact(waves):
     toy = lattice(*waves, period=PERIOD)
     loads = np.arange(1, 301) * 0.05
     start = toy.at_rest(0.0, exact_path(toy, [0.0], PERIOD))
-    done = followed(Replay(QuasiStatic(toy, inf, 4.0), PERIOD), start, loads)
+    done, _ = replayed(QuasiStatic(toy, inf, 4.0), start, loads)
     assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
     assert sum(d.repeated for d in done) > 0.5 * len(done)
     assert max(d.residual for d in done) <= toy.tolerance
@@ -494,32 +502,34 @@ def test_translated_known_states_are_exact(waves):
 
 def test_repeated_states_cost_one_evaluation_each():
     toy = lattice((0.6, 0.0), (0.8, 0.4), period=PERIOD)
-    stepper, state, spent = (
-        Replay(QuasiStatic(toy, inf, 4.0), PERIOD),
-        toy.at_rest(0.0, exact_path(toy, [0.0], 1.0)),
-        [],
-    )
+    stepper, state, spent = QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, exact_path(toy, [0.0], 1.0)), []
+    trace = Trace.of(state)
     for load in np.arange(1, 401) * PERIOD / 24:  # commensurate: no state in between is asked for
         before = toy.evaluations
-        done = stepper.increment(state, load)
+        done, trace = advanced(stepper, state, load, trace, PERIOD)
         state = done.state
         if done.repeated:
             spent.append(toy.evaluations - before)
     assert len(spent) > 300 and np.median(spent) == 1
 
 
-def test_states_of_an_aperiodic_lattice_are_not_replayed():
-    """Amplitudes that grow by 2 % a period: every state is verified, so that none is merely moved on."""
+def aperiodic(amplitude):
+    """A force that grows by 2 % a period, so that no state is repeated."""
 
     def T(u):
-        return -(1.0 + 0.02 * u / PERIOD) * np.sin(Q * u)
+        return -amplitude * (1.0 + 0.02 * u / PERIOD) * np.sin(Q * u)
 
     def J(u):
-        return np.diag(-(1.0 + 0.02 * u / PERIOD) * Q * np.cos(Q * u) - 0.02 / PERIOD * np.sin(Q * u))
+        return np.diag(-amplitude * ((1.0 + 0.02 * u / PERIOD) * Q * np.cos(Q * u) + 0.02 / PERIOD * np.sin(Q * u)))
 
-    toy = Toy(T, J)
+    return Toy(T, J)
+
+
+def test_states_of_an_aperiodic_lattice_are_not_replayed():
+    """Every state is verified, so that none is merely moved on."""
+    toy = aperiodic(1.0)
     loads = np.arange(1, 200) * 0.1
-    done = followed(Replay(QuasiStatic(toy, inf, 4.0), PERIOD), toy.at_rest(0.0, 0.0), loads)
+    done, _ = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads)
     assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
     loads = [slip.load for slip in slips_of(done)]
     assert len(loads) >= 6
@@ -531,12 +541,35 @@ def test_states_of_an_aperiodic_lattice_are_not_replayed():
 def test_replay_does_not_change_the_trace_of_an_earlier_state():
     """Going on twice from the same state gives the same twice."""
     toy = lattice((1.0, 0.0), period=PERIOD)
-    stepper, state = Replay(QuasiStatic(toy, inf, 4.0), PERIOD), toy.at_rest(0.0, 0.0)
-    for load in np.arange(1, 100) * 0.1:
-        state = stepper.increment(state, load).state
-    first = [d.state.v[0] for d in followed(stepper, state, [10.03, 10.7])]
-    again = [d.state.v[0] for d in followed(stepper, state, [10.03, 10.7])]
+    stepper = QuasiStatic(toy, inf, 4.0)
+    done, trace = replayed(stepper, toy.at_rest(0.0, 0.0), np.arange(1, 100) * 0.1)
+    first, again = (
+        [d.state.v[0] for d in replayed(stepper, done[-1].state, [10.03, 10.7], trace)[0]] for _ in range(2)
+    )
     assert first == pytest.approx(again, abs=1e-12)
+
+
+def test_smooth_sliding_is_repeated_after_one_period():
+    """Its own curvature below 1: no slip, v is a function of the load."""
+    toy = lattice((0.3, 0.0), period=PERIOD)
+    loads = np.arange(1, 200) * 0.1
+    done, trace = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads)
+    assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
+    assert trace.period == PERIOD and all(d.repeated for d in done if d.state.load > PERIOD + 0.05)
+
+
+@pytest.mark.parametrize(("amplitude", "slips"), [(0.05, False), (1.0, True)])
+def test_the_memory_of_5000_increments_is_bounded(amplitude, slips):
+    """A smooth run and one of many slips, both shorter than a site; what is left of the newest branch describes it."""
+    toy, loads = aperiodic(amplitude), np.arange(1, 5001) * 0.001
+    done, trace = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads, spacing=60.0)
+    assert not trace.period and bool(slips_of(done)) == slips
+    assert 0.5 * MOST < sum(len(branch.states) for branch in trace.branches) <= MOST
+    newest = trace.branches[-1]
+    there = [d.state for d in done if newest.start < d.state.load < newest.end]
+    assert len(there) > len(newest.states)
+    off = [abs(newest.at(state.load).v[0] - state.v[0]) for state in there]
+    assert max(off) < 1e-3 * toy.unit  # thinned states are interpolated from those left
 
 
 # Failure
@@ -562,7 +595,7 @@ def test_an_unstable_start_leaves_its_saddle_along_the_unstable_mode():
 
 def test_a_state_close_to_the_end_of_a_branch_is_replaced_by_that_end():
     """Two states at one load have no interpolation between them."""
-    states = [Passed(load, np.array([load**2])) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
+    states = [Point(load, np.array([load**2])) for load in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0 - 2e-7)]
     branch = Branch((states[0],))
     for state in states[1:]:
         branch = branch.added(state)
@@ -573,10 +606,10 @@ def test_a_state_close_to_the_end_of_a_branch_is_replaced_by_that_end():
 
 
 def test_a_trace_is_not_changed_by_extending_it():
-    branch = Branch((Passed(0.0, np.zeros(1)),))
-    longer = branch.added(Passed(1.0, np.ones(1)))
+    branch = Branch((Point(0.0, np.zeros(1)),))
+    longer = branch.added(Point(1.0, np.ones(1)))
     assert len(branch.states) == 1 and len(longer.states) == 2
-    assert longer.added(Passed(1.0 + 1e-7, np.ones(1))) is longer
+    assert longer.added(Point(1.0 + 1e-7, np.ones(1))) is longer
 
 
 # folds

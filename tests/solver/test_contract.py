@@ -9,7 +9,6 @@ from solver import Scene
 from solver.continuation.gfmd import Gfmd
 from solver.continuation.problem import Dynamics, Linearised, Problem, Stepper
 from solver.continuation.quasistatic import QuasiStatic
-from solver.continuation.replay import Replay
 from solver.continuation.rest import OPTIONS
 from solver.continuation.state import NotConverged, State
 from solver.mechanics.contact import Contact, patch
@@ -210,7 +209,6 @@ PERIOD, A = 2.4, 1.0  # nm, GPa: a Prandtl-Tomlinson model whose springs are sti
 CLOSED = 2.0 * np.pi / PERIOD * A  # GPa/nm
 STEPPERS = {
     "fast": QuasiStatic,
-    "fast, periods repeated": lambda problem, damping, closed: Replay(QuasiStatic(problem, damping, closed), PERIOD),
     "gfmd": Gfmd,
     "gfmd, increments with slips halved": Halving,
     "gfmd mass-weighted": MassWeighted,

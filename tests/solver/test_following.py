@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import toys
 
-from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, skeleton_from, skeleton_of
+from solver import Checkpoint, NotFollowed, Profile, Scene, follow, load_path, simulate, skeleton_from, skeleton_of
 from solver.continuation.state import End, OutOfTime
 from solver.continuation.trace import Branch
 from solver.following.follow import refuse_apart, refuse_disorder
@@ -198,12 +198,12 @@ def test_a_jump_into_contact_that_vanishes_does_not_stop_following():
     scene = Scene(E=78.95, delta_bar=0.424, phi_ratio=0.0695, u_x_max=6.0)
     skeleton = skeleton_of(scene)
     stiffer = follow(skeleton, scene.changed(E=1.08 * scene.E))
-    assert skeleton.jumps and stiffer.lost and not stiffer.jumps
+    assert skeleton.trace.jumps and stiffer.lost and not stiffer.trace.jumps
     check(stiffer, stiffer.scene)
 
 
 def test_without_a_fold_of_the_jump_surfaces_that_may_be_apart_are_refused(jumping):
-    lost = replace(jumping, jumps=(), lost=True)
+    lost = replace(jumping, trace=replace(jumping.trace, jumps=()), lost=True)
     check(follow(lost, WIDE.changed(delta_bar=WIDE.delta_bar + 0.02)), WIDE.changed(delta_bar=WIDE.delta_bar + 0.02))
     contact = Contact(WIDE, lost.first, lost.nodes)
     refuse_apart(contact, lost)
@@ -317,14 +317,14 @@ def test_uneven_smooth_sliding_has_enough_states():
 def test_a_run_not_described_by_its_skeleton_is_rejected():
     """One state moved aside: those about it are solved for, and its forces are off."""
     checkpoint = checkpoints(SMALL)[-1]
-    trace = checkpoint.state.trace
+    trace = checkpoint.trace
     first, *others = trace.branches
     states = list(first.states)
     k = len(states) // 2
     states[k] = states[k]._replace(v=states[k].v + 0.02 * np.random.default_rng(0).normal(size=states[k].v.size))
     wrong = replace(trace, branches=(replace(first, states=tuple(states)), *others))
     with pytest.raises(NotFollowed):
-        skeleton_from(SMALL, checkpoint._replace(state=checkpoint.state._replace(trace=wrong)))
+        skeleton_from(SMALL, checkpoint._replace(trace=wrong))
 
 
 def test_a_curve_is_refused_where_the_run_did_not_come():
@@ -432,3 +432,16 @@ def test_a_punch_whose_nodes_come_within_reach_is_followed_or_refused(values):
     scene = Scene(nodes=96, width=250.0, radius=0.6, E=160.0, phi_ratio=0.2, delta_bar=0.45)
     moved = scene.changed(**values)
     check(follow(skeleton_of(scene), moved), moved)
+
+
+def test_a_result_has_the_skeleton_of_its_own_run():
+    """No second run: its few evaluations solve states of the first one."""
+    result = simulate(SMALL)
+    check(result.skeleton, SMALL)
+    assert result.skeleton.evaluations < 0.1 * sum(frame.evaluations for frame in result.frames)
+
+
+def test_a_checkpoint_after_2000_increments_is_small():
+    """Of 256 nodes; states are thinned as the run goes on."""
+    checkpoint = checkpoints(SMALL.changed(u_x_max=200.0))[-1]
+    assert checkpoint.increment == 2000 and len(pickle.dumps(checkpoint)) < 500_000

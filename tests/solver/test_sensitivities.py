@@ -116,7 +116,7 @@ def test_a_state_that_newton_does_not_solve_is_refused(skeleton):
     states = list(branch.states)
     v = states[3].v + 2.0 * np.random.default_rng(0).normal(size=states[3].v.size)
     states[3] = states[3]._replace(v=v)
-    wrong = replace(skeleton, branches=(replace(branch, states=tuple(states)),))
+    wrong = replace(skeleton, trace=replace(skeleton.trace, branches=(replace(branch, states=tuple(states)),)))
     with pytest.raises(NotFollowed):
         sensitivities(wrong, ("E",))
 
