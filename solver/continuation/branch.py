@@ -68,7 +68,7 @@ def _by_load(corrector, judge, state, target, options):
         return None
     if len(past) > 1 and np.abs(v - guess).max() > options.short * unit:
         return None
-    mode = judge.accept(corrector.problem, v, state.mode, corrector.inverse)
+    mode = judge.accept(corrector.problem, v, state.mode)
     if not mode.rests:
         return None
     return _on_branch(corrector, state, Point(target, v), mode, state.past, options.order)
@@ -167,7 +167,7 @@ class _Arc:
             points = [points[0], point, *points[1:3]] if point.load < target else [point, *points[1:3]]
         else:
             return self._lost()
-        mode = self.judge.rightmost(self.problem, v, self.state.mode, self.corrector.inverse)
+        mode = self.judge.rightmost(self.problem, v, self.state.mode)
         if not mode.rests:
             return self._end(points, Point(target, v), mode, fold)
         below = [p for p in points if p.load < target]
@@ -191,7 +191,7 @@ class _Arc:
 
     def _unstable(self, points):
         """The end of the branch between the last two Points, if the newest is unstable; else None."""
-        self.mode = self.judge.accept(self.problem, points[0].v, self.mode, self.corrector.inverse)
+        self.mode = self.judge.accept(self.problem, points[0].v, self.mode)
         return None if self.mode.rests else self._end(points, points[0], self.mode)
 
     def _end(self, points, after, mode, fold=None):

@@ -1,7 +1,7 @@
 """From a guess to the equilibrium at fixed load, or at fixed arc length with the load solved for.
 
 Anderson steps solve it. Where they fail, the inverse of a tangent nearby preconditions them, so that a few suffice.
-The problem forms that inverse. Where forming it takes too long, iterations replace it and keep their products.
+Iterations solve with that tangent, and keep their products.
 """
 
 from dataclasses import dataclass
@@ -33,13 +33,12 @@ class Corrector:
     """Solves one problem; between calls it keeps the inverse in use, and scratch.
 
     worst: the residual of the last solution, nm. sharp: v of the equilibrium whose tangent is inverted, or None; a
-    State keeps it for `begin`. inverse: a function from (size,) to (size,) close to -(dR/dv)^-1, for other uses; None
-    where it takes iterations, which are too slow for them.
+    State keeps it for `begin`.
     """
 
     def __init__(self, problem, options: CorrectorOptions = OPTIONS):
         self.problem, self.options, self.worst = problem, options, np.inf
-        self.sharp = self.inverse = None
+        self.sharp = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: np.ndarray | None = None  # v of the equilibrium found last
         self._r = np.empty(problem.size)
@@ -56,10 +55,9 @@ class Corrector:
     def _use(self, sharp):
         """From now on use the inverse of the tangent at the equilibrium `sharp`, or none."""
         if sharp is None:
-            self.sharp = self.inverse = self._smooth = None
+            self.sharp = self._smooth = None
         elif not self._uses(sharp):
-            self.sharp, self.inverse = sharp, self.problem.preconditioner(sharp)
-            self._smooth = self.inverse or self._iterations(sharp, self.options.iterated)
+            self.sharp, self._smooth = sharp, self._iterations(sharp, self.options.iterated)
 
     def _uses(self, sharp):
         return self.sharp is not None and np.array_equal(self.sharp, sharp)

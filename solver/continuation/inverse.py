@@ -20,9 +20,9 @@ DEPENDENT = 1e-10
 class Inverse:
     """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
 
-    def __init__(self, product: Callable, size: int, smooth: Callable | None = None, most: int = MOST):
-        """product: w -> A w; smooth: None, or a preconditioner close to -A^-1; most: products in all solves."""
-        self.product, self.size, self.rows, self._smooth = product, size, 0, smooth
+    def __init__(self, product: Callable, size: int, most: int = MOST):
+        """product: w -> A w; most: products in all solves."""
+        self.product, self.size, self.rows = product, size, 0
         self._z, self._q = np.empty((2, most, size))  # memory is taken only by rows that are written
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
@@ -35,7 +35,7 @@ class Inverse:
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
         while dot(r, r) > bound:
-            z = r.copy() if self._smooth is None else self._smooth(r)
+            z = r.copy()
             if not orthonormalise(self._q, self.rows, self.product(z), self._z, z):
                 break
             self.rows += 1

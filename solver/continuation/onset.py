@@ -32,7 +32,7 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     """
 
     def judged(point, mode):
-        return _Side(point, judge.rightmost(corrector.problem, point.v, mode, corrector.inverse))
+        return _Side(point, judge.rightmost(corrector.problem, point.v, mode))
 
     unstable = _Side(after, mode)
     for point in older:

@@ -99,9 +99,6 @@ class Problem(Protocol):
     def solved_to(self, tolerance: float) -> "Problem":
         """The same problem with another tolerance, nm."""
 
-    def preconditioner(self, v) -> Callable | None:
-        """A function close to the inverse of -dR/dv, or None where forming it would take too long."""
-
     def sites(self, v, w) -> float:
         """Sites of the lattice between v and w, of the unknown that moves farthest along it."""
 

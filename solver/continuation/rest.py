@@ -79,29 +79,26 @@ class Judge:
     def __init__(self, damping, options: RestOptions = OPTIONS):
         self.damping, self.options = damping, options
 
-    def accept(self, problem, v, last=None, smooth=None) -> Mode:
-        """The Mode of an equilibrium v (size,): `last`, that of an earlier state, where no search is needed.
-
-        smooth: a function close to the inverse of -dR/dv, if there is one.
-        """
+    def accept(self, problem, v, last=None) -> Mode:
+        """The Mode of an equilibrium v (size,): `last`, that of an earlier state, where no search is needed."""
         linearised, fits, options = problem.linearised(v), _fits(last, v), self.options
         near = fits and np.abs(v - last.v).max() < options.far * problem.unit * min(last.margin, 1.0)
         clear = near and last.growth < -options.clear * self._scale(problem)
         if clear and (linearised.size > options.dense_waves or self.damping >= linearised.safe_damping()):
             return last
-        return self._searched(problem, linearised, v, last if fits else None, smooth, fine=not fits)
+        return self._searched(problem, linearised, v, last if fits else None, fine=not fits)
 
-    def rightmost(self, problem, v, last=None, smooth=None) -> Mode:
+    def rightmost(self, problem, v, last=None) -> Mode:
         """The same by a search in any case, to `fine`."""
         last = last if _fits(last, v) else None
-        return self._searched(problem, problem.linearised(v), v, last, smooth, fine=True)
+        return self._searched(problem, problem.linearised(v), v, last, fine=True)
 
     def _scale(self, problem):
         """What growths are compared with: twice the decay of the layer's slowest mode, gamma up to critical damping."""
         critical = problem.motion().critical
         return -2.0 * float(rate(-0.25 * critical**2, self.damping * critical))
 
-    def _searched(self, problem, linearised, v, last, smooth, fine):
+    def _searched(self, problem, linearised, v, last, fine):
         critical, options = problem.motion().critical, self.options
         friction = self.damping * critical
         if (waves := linearised.waves()) is not None:
@@ -109,7 +106,7 @@ class Judge:
         small = linearised.size <= options.most
         if small or (linearised.size <= options.dense_waves and self.damping < linearised.safe_damping()):
             return _dense(linearised, friction)
-        inverse = Inverse(linearised.tangent, problem.size, smooth)
+        inverse = Inverse(linearised.tangent, problem.size)
         radius = options.radius * 0.25 * critical**2
         search = _Search(linearised, inverse, friction, radius, self._scale(problem), fine, options)
         return search.mode(v, last.basis if last else ())

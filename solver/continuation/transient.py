@@ -200,7 +200,7 @@ class Transient:
         if solved is None or np.abs(v - self.v).max() > farthest:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
-        self.mode = self.judge.rightmost(self.problem, v, self.mode, corrector.inverse)
+        self.mode = self.judge.rightmost(self.problem, v, self.mode)
         if not self.mode.rests:
             return None
         solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}

@@ -6,24 +6,16 @@ and bears no other force, so the layer always carries p_0, the mean of T_z over 
 `scale` (p - p_0), with a compliance `scale` that turns a pressure into nm.
 """
 
-from collections.abc import Callable
 from copy import copy
 
 import numpy as np
 from numba import njit
-from scipy.linalg.lapack import dgetrf, dgetri, sgetrf, sgetri
 
 from ..continuation.state import PulledOff
 from .linearised import Linearised
 from .surface import Surface
 
-# Share of the drive in the compliance to a uniform traction from which single precision is too coarse for an inverse
-SOFT = 0.999
 ALIKE = 1e-5  # units between nodes that count as alike: what the solves of followed states leave
-# Nodes up to which an inverse is formed, as it takes the cube of their number: with 1200, the run of
-# `python -m solver run --preset wave --set E=20` took fourteen times as long
-FORMED = 512
-BLOCK = 64  # columns that LAPACK inverts at a time; with 3, scipy's default, it takes twice as long
 
 
 class Equilibrium:
@@ -108,24 +100,6 @@ class Equilibrium:
                 f" began there under the held load L_bar = {self.pressure / self.contact.scene.E:.4g} led away from the"
                 " surface; hold delta instead, or press harder"
             )
-
-    def preconditioner(self, v) -> Callable | None:
-        """-(dR/dv)^-1, a function, (size,) nm each, right to some digits; None where it takes too long or is singular.
-
-        It is solved for in single precision. The inverse is formed, not factors: products with it take half the time of
-        solves by factors, and there are hundreds.
-        """
-        tangent = self.linearised(v).matrix() if self.nodes <= FORMED else None
-        if tangent is None:
-            return None
-        soft = max(self.contact.modes.drawn) > SOFT
-        number, factorise, invert = (np.float64, dgetrf, dgetri) if soft else (np.float32, sgetrf, sgetri)
-        columns = np.asarray(-tangent.T, number, order="F")  # LAPACK reads columns
-        factors, pivots, singular = factorise(columns, overwrite_a=True)
-        if singular:
-            return None
-        inverse = invert(factors, pivots, lwork=BLOCK * self.size, overwrite_lu=True)[0].T
-        return lambda r: (inverse @ r.astype(number)).astype(float)
 
     def sites(self, v, w) -> float:
         """By how many sites of the lattice the node that moves farthest along it lies elsewhere in w than in v."""

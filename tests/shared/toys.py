@@ -35,9 +35,6 @@ class Toy:
     def hold(self, v, s):
         pass
 
-    def preconditioner(self, v):
-        return None
-
     def sites(self, v, w):
         return 0.0  # no lattice
 

@@ -131,18 +131,6 @@ def test_right_eigenvectors_are_mirrored_to_left_ones_where_the_interaction_is_s
     assert here.transposed(left) == pytest.approx(value * left, abs=1e-7 * np.abs(left).max())  # round-off of `eig`
 
 
-def test_a_preconditioner_is_close_to_the_inverse_of_the_tangent(problem):
-    v = state(problem)
-    inverse = problem.preconditioner(v)
-    w = np.random.default_rng(1).normal(size=problem.size)
-    if inverse is None:
-        assert problem.size <= 3  # too few unknowns to be worth one
-    else:
-        assert inverse(-problem.linearised(v).tangent(w)) == pytest.approx(
-            w, abs=0.03
-        )  # single precision, times its condition
-
-
 def test_motion_starts_at_the_given_state(problem):
     v = state(problem)
     motion = problem.motion()
