@@ -8,10 +8,8 @@ With NP1 a spring from a surface node to a lattice site, at tangential gap dt an
 as traction on the layer. The law of Xu & Needleman (1993, q = 1, r = 0) has one factor more in T_x, 1 + dn/delta_n; for
 phi_t = phi_n it has a potential. Both lattices have the period a, so the sum over sites depends on u_x only through its
 distance r to the nearest site, and the Gaussians of all sites follow from exp(-r^2) and exp(2 a r) by recurrence.
-Loops over nodes hold no branch and no call, so that they compile to vector instructions.
+Loops over nodes hold no branch and no call, so that they compile to vector instructions; NumPy takes the exponentials.
 """
-
-from math import factorial
 
 import numpy as np
 from numba import njit
@@ -22,10 +20,6 @@ DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count
 REMOTEST = 60.0
 OPENING = {"np1": 0.0, "xu-needleman": 1.0}  # c in the factor 1 + c dn of T_x
 FARTHEST = 700.0  # argument of exp, beyond which a number of double precision is out of range soon
-LOG2_E, SHIFT = 1.4426950408889634, 6755399441055744.0  # 1/ln 2, and 1.5 2^52, as of `exponential`
-LN_2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # ln 2 in two parts: k times the first is exact
-BITS_OF_ONE = 0x3FF0000000000000  # of 1.0
-TERMS = tuple(1.0 / factorial(k) for k in range(13, -1, -1))  # of the series of exp: round-off for |r| <= ln(2)/2
 ALIKE = 1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: round-off is 1e-13
 WORK = 10  # rows of the scratch array `work`
 
@@ -44,44 +38,32 @@ def law_constants(scene) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
-def exponential(x, power) -> None:
-    """Replace x by exp(x), to round-off, with x limited to +-FARTHEST; power: scratch of the same length.
-
-    exp(x) = 2^k p(r), r = x - k ln 2. Adding 1.5 2^52 leaves k in the low bits of the sum; shifted up they are 2^k.
-    """
-    bits = power.view(np.int64)
-    for i in range(x.size):
-        v = min(max(x[i], -FARTHEST), FARTHEST)
-        power[i] = v * LOG2_E + SHIFT
-        k = power[i] - SHIFT
-        r = v - k * LN_2[0] - k * LN_2[1]
-        p = 0.0
-        for term in TERMS:
-            p = p * r + term
-        x[i] = p
-    for i in range(x.size):
-        bits[i] = (bits[i] << 52) + BITS_OF_ONE
-    for i in range(x.size):
-        x[i] *= power[i]
+def _exponents(u_x, u_z, profile, law, work):
+    """Fill rows of work: 0 to 2 with -dn, -r^2 and 2 a r, 5 with dn, 6 with r, the distance of the nearest site."""
+    delta_n, delta_t, a = law[2], law[3], law[4]
+    for i in range(profile.size):
+        x = u_x[i] / delta_t
+        r = x - a * np.floor(x / a + 0.5)
+        dn = min(max((profile[i] + u_z[i]) / delta_n, DEEPEST), REMOTEST)
+        work[0, i], work[1, i], work[2, i] = -dn, max(-r * r, -FARTHEST), min(max(2.0 * a * r, -FARTHEST), FARTHEST)
+        work[5, i], work[6, i] = dn, r
 
 
-@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
 def window_sums(u_x, u_z, profile, law, work) -> None:
-    """Fill rows of work (WORK, m): exp(-dn), sums of 1, dt and dt^2 times exp(-dt^2), and dn.
+    """Fill rows of work (WORK, m): exp(-dn), sums of 1, dt and dt^2 times exp(-dt^2), and dn, in rows 0, 1, 3, 4, 5.
 
     u_x, u_z, profile: (m,) nm; dt in delta_t, dn in delta_n. Sums run over the sites |dt| <= window_t.
     """
-    delta_n, delta_t, a, window, m = law[2], law[3], law[4], law[5], profile.size
-    e, s0, up, s1, s2, dn, r = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
+    _exponents(u_x, u_z, profile, law, work)
+    np.exp(work[:3], out=work[:3])  # vectorised, unlike the exp of Numba
+    _window_sums(law, work)
+
+
+@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+def _window_sums(law, work):
+    a, window, m = law[4], law[5], work.shape[1]
+    s0, up, s1, s2, r = work[1], work[2], work[3], work[4], work[6]
     down, ahead, behind = work[7], work[8], work[9]
-    for i in range(m):
-        x = u_x[i] / delta_t
-        r[i] = x - a * np.floor(x / a + 0.5)
-        dn[i] = min(max((profile[i] + u_z[i]) / delta_n, DEEPEST), REMOTEST)
-        e[i] = -dn[i]
-        s0[i] = -r[i] * r[i]
-        up[i] = 2.0 * a * r[i]
-    exponential(work[:3].reshape(-1), work[7:].reshape(-1))
     shrink = np.exp(-a * a)
     for i in range(m):
         down[i] = shrink / up[i]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.mechanics.cohesive_law import DEEPEST, WORK, exponential, law_constants, tangent, traction, window_sums
+from solver.mechanics.cohesive_law import DEEPEST, tangent, traction
 
 SCENES = [
     Scene(),
@@ -35,21 +35,6 @@ def test_traction_is_the_sum_over_springs(scene):
             assert traction(scene, ux, gap) == pytest.approx(
                 expected, rel=1e-12, abs=1e-13 * np.exp(-gap / scene.delta_n)
             )
-
-
-def test_compiled_law_equals_its_python_source():
-    scene, u = Scene(), np.random.default_rng(0).uniform(-3.0, 3.0, (2, 50))
-    compiled, interpreted = np.empty((2, WORK, 50))
-    window_sums(*u, np.zeros(50), law_constants(scene), compiled)
-    window_sums.py_func(*u, np.zeros(50), law_constants(scene), interpreted)
-    assert interpreted == pytest.approx(compiled, rel=1e-13)
-
-
-def test_exponential_is_good_to_round_off():
-    x = np.concatenate([np.linspace(-699.0, 699.0, 5000), np.linspace(-1.0, 1.0, 5000), [0.0]])
-    expected = np.exp(x)
-    exponential(x, np.empty_like(x))
-    assert np.abs(x / expected - 1.0).max() < 4.5e-16
 
 
 @pytest.mark.parametrize("scene", SCENES)
