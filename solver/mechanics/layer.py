@@ -5,7 +5,7 @@ has K_xz = -i K_c and K_zx = +i K_c; the compliance C has the opposite signs.
 """
 
 from functools import cached_property, lru_cache
-from math import ceil, factorial, log2
+from math import factorial
 from threading import Lock
 
 import numpy as np
@@ -95,12 +95,6 @@ class Modes:
 _modes = lru_cache(maxsize=CACHED)(Modes)
 
 
-def fft_size(least) -> int:
-    """The smallest length >= least of the form 4, 5 or 6 times a power of two: fast, even, and few to plan for."""
-    power = 2 ** max(0, ceil(log2(max(least, 4) / 8.0)))
-    return next(k * power for k in (4, 5, 6, 8) if k * power >= least)
-
-
 class Transform:
     """Real rows `field` (2, length) to `spectrum` (2, length//2 + 1) and back to `product`; owns these buffers.
 
@@ -124,18 +118,13 @@ def _plan(source, target, direction, *flags):
 class Convolution:
     """The layer's response to tractions on `size` neighbouring nodes, on these nodes; the others carry no traction.
 
-    A transform of 2 size - 1 points, rounded up to a fast length, replaces one of all nodes, exactly to round-off.
     Owns its buffers: two threads need two objects.
 
     Attributes: field, tractions (2, size) GPa, to be filled; product, displacements (2, size) nm, after `apply`.
     """
 
     def __init__(self, modes, size):
-        length, blocks = fft_size(2 * size - 1), modes.compliance
-        if length < modes.nodes:
-            blocks = _cut(modes, size, length)
-        length = min(length, modes.nodes)
-        self._blocks, self._fft = np.ascontiguousarray(blocks / length), Transform(length)
+        self._blocks, self._fft = modes.compliance / modes.nodes, Transform(modes.nodes)
         self.field, self.product = self._fft.field[:, :size], self._fft.product[:, :size]
 
     def apply(self) -> None:
@@ -143,14 +132,6 @@ class Convolution:
         self._fft.forward()
         multiply(self._fft.spectrum, self._blocks)
         self._fft.backward()
-
-
-def _cut(modes, size, length):
-    """Compliance (3, length//2 + 1) of a cell of `length` nodes with the same kernels up to `size` nodes apart."""
-    reach = np.arange(length)
-    reach = np.where(reach < size, reach, reach - length)
-    xx, zz, xz = np.fft.rfft(np.where(np.abs(reach) < size, modes.kernels[:, reach % modes.nodes], 0.0))
-    return np.array([xx.real, zz.real, xz.imag])
 
 
 @njit(cache=True, nogil=True)

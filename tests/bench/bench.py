@@ -25,7 +25,7 @@ from solver.continuation.anderson import Secants
 from solver.continuation.corrector import OPTIONS
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
-from solver.mechanics.layer import Convolution, Transform, fft_size
+from solver.mechanics.layer import Convolution, Transform
 from solver.presets import preset
 from solver.run.load_steps import vertical
 from solver.run.loadpath import ALL
@@ -151,7 +151,7 @@ def parts(row):
     secants = Secants(OPTIONS.memory, v.size)
     for _ in range(OPTIONS.memory):
         secants.push(*np.random.default_rng(1).normal(size=(4, v.size)))
-    fft = Transform(min(fft_size(2 * contact.size - 1), contact.nodes))
+    fft = Transform(contact.nodes)
     micro = {
         "two transforms": lambda: (fft.forward(), fft.backward()),
         "layer (transforms and product)": layer.apply,

@@ -51,7 +51,7 @@ def test_mirroring_the_tractions_mirrors_the_displacements():
 @pytest.mark.parametrize("nodes", [128, 127, 131])
 @pytest.mark.parametrize("size", [1, 17, 50, 90])
 def test_product_on_a_patch_is_the_sum_over_all_modes(nodes, size):
-    """Fourier sums written out in full, odd, even and prime numbers of nodes; patches with and without zero padding."""
+    """Fourier sums written out in full, odd, even and prime numbers of nodes."""
     scene = Scene(nodes=nodes, width=2.4 * nodes, nu=0.3)
     q = 2 * np.pi * np.arange(nodes // 2 + 1) / scene.width
     c_xx, c_zz, c_c = compliance(q, scene.width, scene.E, scene.nu)

@@ -129,7 +129,7 @@ def force_balance() -> list[Form]:
 
 
 def full_sums() -> list[Form]:
-    """C T by pyFFTW in float64, cut to a patch, against the sum over all modes in long double."""
+    """C T by pyFFTW in float64, on a patch, against the sum over all modes in long double."""
     worst = 0.0
     for nodes, size in ((128, 40), (127, 127), (131, 60), (4096, 300)):
         scene = Scene(nodes=nodes, width=2.4 * nodes, height=0.05, nu=0.49)
