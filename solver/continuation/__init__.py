@@ -11,7 +11,7 @@ onset        the end of a branch where a mode begins to grow, without a fold
 branch       a branch continued to the load asked for, or to its end before that
 motion       time steps of the damped motion
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion
-slip         the motion from the end of a branch until Anderson steps finish it
+transient    the motion from the end of a branch until Anderson steps finish it
 landing      the equilibrium in which a slip lands, and whether that depends on details of the motion
 trace        what a run has passed: branches, states between theirs, ends, and its period once it repeats itself
 replay       an increment by a stepper, or by known states, moved on by lattice periods

@@ -45,11 +45,11 @@ class BranchOptions:
     fold: FoldOptions = SEARCH
 
 
-OPTIONS = BranchOptions()
+BRANCH = BranchOptions()
 ONE = 1e-12  # of the largest arc: points closer than that are one, to round-off
 
 
-def continue_branch(corrector, judge, state, target, options: BranchOptions = OPTIONS) -> State | End:
+def continue_branch(corrector, judge, state, target, options: BranchOptions = BRANCH) -> State | End:
     """The State at load `target`, nm, on the branch of `state`, or the End that comes before it."""
     reached = _by_load(corrector, judge, state, target, options)
     return reached or _Arc(corrector, judge, state, target, options).to_target()
@@ -61,26 +61,26 @@ def _by_load(corrector, judge, state, target, options):
     guess = lagrange([load for load, _ in past], target) @ np.array([u for _, u in past])
     if np.abs(guess - state.v).max() > MOVED * unit:
         return None
-    v = guess.copy()
-    solved = corrector.solve(v, target, state.secants)
-    way = np.abs(v - state.v).max()
-    if solved is None or way > MOVED * unit or target - state.load < options.steep * way:
+    solution = corrector.solve(guess, target, state.secants)
+    if solution is None:
         return None
-    if len(past) > 1 and np.abs(v - guess).max() > options.short * unit:
+    way = np.abs(solution.v - state.v).max()
+    if way > MOVED * unit or target - state.load < options.steep * way:
         return None
-    mode = judge.accept(corrector.problem, v, state.mode)
-    if not mode.rests:
+    if len(past) > 1 and np.abs(solution.v - guess).max() > options.short * unit:
         return None
-    return _on_branch(corrector, state, Point(target, v), mode, state.past, options.order)
+    mode = judge.accept(corrector.problem, solution.v, state.mode)
+    return _on_branch(corrector, state, solution, mode, state.past, options.order) if mode.rests else None
 
 
-def _on_branch(corrector, state, point, mode, past, order):
-    """The State at a Point that follows `state` on its branch, after the points `past`, newest first.
+def _on_branch(corrector, state, solution, mode, past, order):
+    """The State of a Solution that follows `state` on its branch, after the points `past`, newest first.
 
     order: of the extrapolation for which it keeps points.
     """
-    past = [point, *[p for p in past if p[0] != point.load][: order + 1]]
-    return State(*point, past, state.secants, corrector.sharp, mode, residual=corrector.worst)
+    v, load, residual = solution
+    past = [Point(load, v), *[p for p in past if p[0] != load][: order + 1]]
+    return State(load, v, past, state.secants, corrector.sharp, mode, residual=residual)
 
 
 class _Arc:
@@ -95,8 +95,8 @@ class _Arc:
         """The State at the target, or the End before it."""
         options, points, unit = self.options, self._two_points(), self.unit
         step = options.short * unit
-        if end := self._fold_ahead(points):  # the first step might pass it
-            return end
+        if fold := self._fold_ahead(points):  # the first step might pass it
+            return self._at_fold(fold, points)
         for _ in range(options.points):
             last = np.abs(points[0].v - points[1].v).max()
             if last == 0.0 or step < options.shortest * unit:
@@ -107,18 +107,26 @@ class _Arc:
             if point is None or not np.abs(point.v - points[0].v).max() <= options.growth * step:
                 step *= 0.5
                 continue
-            step, points = min(2.0 * step, options.long * unit), [point, *points[:3]]
-            if point.load < points[1].load:
-                if reached := self._beyond_fold(points):
-                    return reached
-                points, step = points[1:], 0.25 * step  # half of the one that passed it
-                continue
-            end = point.load < self.target and self._unstable(points)
-            if end := end or self._fold_ahead(points):
-                return end
-            if point.load >= self.target:
-                return self._at_target(points)
+            if reached := self._classify([point, *points[:3]]):
+                return reached
+            if point.load < points[0].load:  # the fold between was not found: approach it by a shorter step
+                step *= 0.5
+            else:
+                step, points = min(2.0 * step, options.long * unit), [point, *points[:3]]
         return self._lost()
+
+    def _classify(self, points):
+        """What the newest Point shows: the State at the target, the End before it, or None: the branch goes on."""
+        after, before = points[:2]
+        if after.load < before.load:
+            return self._at_fold(self._fold_between(points), points)
+        if after.load < self.target:
+            self.mode = self.judge.accept(self.problem, after.v, self.mode)
+            if not self.mode.rests:
+                return self._end(points, after, self.mode)
+        if fold := self._fold_ahead(points):
+            return self._at_fold(fold, points)
+        return self._at_target(points) if after.load >= self.target else None
 
     def _two_points(self):
         """The last Points, newest first, at least two: the second may be a step back along the tangent."""
@@ -135,9 +143,9 @@ class _Arc:
         arcs = [dot(chord, v) for _, v in points]
         if np.abs(np.diff(sorted(arcs))).min() <= ONE * max(map(abs, arcs)):
             return None
-        load, v = mixed(lagrange(arcs, arc), points)
-        load = self.corrector.solve(v, load, self.state.secants, chord, arc)
-        return None if load is None else Point(load, v)
+        guess = mixed(lagrange(arcs, arc), points)
+        solution = self.corrector.solve(guess.v, guess.load, self.state.secants, chord, arc)
+        return solution and Point(solution.load, solution.v)
 
     def _lost(self):
         """The End "lost": the motion shall start from the state at hand, under the load asked for."""
@@ -155,11 +163,10 @@ class _Arc:
         for _ in range(options.approaches):
             last, before = points[:2]
             part = (target - before.load) / (last.load - before.load)
-            v = before.v + part * (last.v - before.v)
-            solved = self.corrector.solve(v, target, self.state.secants)
+            solution = self.corrector.solve(before.v + part * (last.v - before.v), target, self.state.secants)
             chord, arcs = _on_chord(points)
             # farther beyond the newest point it may be a state past a fold, on the unstable branch
-            if solved is not None and dot(chord, v) <= arcs[0] + options.beyond * (arcs[0] - arcs[1]):
+            if solution and dot(chord, solution.v) <= arcs[0] + options.beyond * (arcs[0] - arcs[1]):
                 break
             point = self._point_at(chord, arcs[1] + part * (arcs[0] - arcs[1]), points)
             if point is None:
@@ -167,32 +174,24 @@ class _Arc:
             points = [points[0], point, *points[1:3]] if point.load < target else [point, *points[1:3]]
         else:
             return self._lost()
-        mode = self.judge.rightmost(self.problem, v, self.state.mode)
+        mode = self.judge.rightmost(self.problem, solution.v, self.state.mode)
         if not mode.rests:
-            return self._end(points, Point(target, v), mode, fold)
+            return self._end(points, Point(target, solution.v), mode, fold)
         below = [p for p in points if p.load < target]
-        return _on_branch(self.corrector, self.state, Point(target, v), mode, below, options.order)
+        return _on_branch(self.corrector, self.state, solution, mode, below, options.order)
 
     # ends
 
-    def _beyond_fold(self, points):
-        """The End at the fold that the newest Point has passed, or the State at `target` if that is below.
-
-        None if the fold is not found from so far.
-        """
-        fold, chord = self._fold_between(points), _on_chord(points)[0]
-        return fold and self._at_fold(fold, [p for p in points[1:] if dot(chord, p.v) < dot(chord, fold.v)])
-
     def _at_fold(self, fold, points):
-        """The End at a Fold, or the State at `target` if that is below it; points: before it, newest first."""
-        if fold.load >= self.target:
-            return self._at_target([Point(fold.load, fold.v), *points], fold.load)
-        return fold
+        """The End at a fold, or the State at `target` if that is below it; None without a fold.
 
-    def _unstable(self, points):
-        """The end of the branch between the last two Points, if the newest is unstable; else None."""
-        self.mode = self.judge.accept(self.problem, points[0].v, self.mode)
-        return None if self.mode.rests else self._end(points, points[0], self.mode)
+        points: newest first; those beyond the fold do not count.
+        """
+        if fold is None or fold.load < self.target:
+            return fold
+        chord, _ = _on_chord(points)
+        before = [p for p in points if dot(chord, p.v) < dot(chord, fold.v)]
+        return self._at_target([Point(fold.load, fold.v), *before], fold.load)
 
     def _end(self, points, after, mode, fold=None):
         """The end before the Point `after`, whose `mode` grows: a fold if there is one, else where it sets in."""
@@ -201,13 +200,13 @@ class _Arc:
         if fold is None and older and mode.kind != "flutter":
             passed = self._fold_between([after, *older])
             if passed is not None:
-                return self._at_fold(passed, older)
+                return self._at_fold(passed, [after, *older])
         older = [p for p in points[1:] if p.load >= self.state.load]
         end = onset(self.corrector, self.judge, self.state, older, after, mode)
         return end or self._lost()._replace(load=after.load)
 
     def _fold_between(self, points):
-        """The Fold between the last two or three of the Points, newest first; None if there is none."""
+        """The fold between the last two or three of the Points, newest first; None if there is none."""
         last, before = points[:2]
         chord, arcs = _on_chord(points)
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
@@ -218,7 +217,7 @@ class _Arc:
         return None
 
     def _fold_ahead(self, points):
-        """The End at a fold less than a step ahead, or the State at `target` before it; None without a fold.
+        """The fold less than a step ahead of the newest Point, or None.
 
         Near the onset of stick-slip the load falls over less than a step: no two points show the fold between them.
         """
@@ -238,7 +237,7 @@ class _Arc:
         fold = fold_near(self.problem, End(load, last.v + step * (top / way), step), self.options.fold)
         if fold is None or fold.load < last.load or (fold.v - last.v) @ step < 0.0:
             return None
-        return self._at_fold(fold, points) if np.abs(fold.v - last.v).max() <= longest else None
+        return fold if np.abs(fold.v - last.v).max() <= longest else None
 
 
 def _on_chord(points):

@@ -6,6 +6,7 @@ Iterations solve with that tangent, and keep their products.
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,18 +27,25 @@ class CorrectorOptions:
     iterated: float = 0.3  # relative error of an iterated inverse; the secant pairs correct it at less cost
 
 
-OPTIONS = CorrectorOptions()
+CORRECTOR = CorrectorOptions()
+
+
+class Solution(NamedTuple):
+    """An equilibrium that was solved for."""
+
+    v: np.ndarray  # (size,)
+    load: float  # nm
+    residual: float  # nm
 
 
 class Corrector:
     """Solves one problem; between calls it keeps the inverse in use, and scratch.
 
-    worst: the residual of the last solution, nm. sharp: v of the equilibrium whose tangent is inverted, or None; a
-    State keeps it for `begin`.
+    sharp: v of the equilibrium whose tangent is inverted, or None; a State keeps it for `begin`.
     """
 
-    def __init__(self, problem, options: CorrectorOptions = OPTIONS):
-        self.problem, self.options, self.worst = problem, options, np.inf
+    def __init__(self, problem, options: CorrectorOptions = CORRECTOR):
+        self.problem, self.options = problem, options
         self.sharp = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: np.ndarray | None = None  # v of the equilibrium found last
@@ -71,33 +79,31 @@ class Corrector:
         inverse = Inverse(self.problem.linearised(v).tangent, self.problem.size)
         return lambda r: -inverse.solve(r, *accuracy)
 
-    def solve(self, v, s, secants, chord=None, arc=0.0) -> float | None:
-        """Solve for v (size,), in place, at fixed load s, nm; returns the load, or None if it fails.
+    def solve(self, guess, s, secants, chord=None, arc=0.0) -> Solution | None:
+        """The Solution next to a guess (size,) at fixed load s, nm, or None.
 
         With a chord, the load changes so that <chord, v> = arc, nm. Where Anderson steps fail, they are tried again
-        with the inverse of the tangent at the equilibrium found last, unless that was already in use. Secant pairs of
-        steps that led nowhere would mislead the next ones.
+        with the inverse of the tangent at the equilibrium found last, unless that was already in use. Then later solves
+        use that inverse, too. Secant pairs of steps that led nowhere would mislead the next ones.
         """
-        guess = v.copy()
-        self._origin = guess if self._origin is None else self._origin
+        self._origin = guess.copy() if self._origin is None else self._origin
         while True:
-            load = self._anderson(v, s, secants, chord, arc)
-            if load is not None:
-                self._origin = v.copy()
-                return load
-            v[:] = guess
+            solution = self._anderson(guess.copy(), s, secants, chord, arc)
+            if solution is not None:
+                self._origin = solution.v
+                return solution
             secants.forget()
             if self._uses(self._origin):
                 return None
             self._use(self._origin)
 
     def _anderson(self, v, s, secants, chord, arc):
-        """One attempt of `solve`."""
+        """One attempt of `solve`, which changes v in place."""
         problem, r, direction = self.problem, self._r, self.problem.direction
         left = self.options.steps if self.sharp is None else self.options.sharp_steps
-        self.worst = problem.residual(v, s, r)
-        while not self.worst <= problem.tolerance:  # nan neither is nor becomes a solution
-            if left == 0 or not isfinite(self.worst):
+        worst = problem.residual(v, s, r)
+        while not worst <= problem.tolerance:  # nan neither is nor becomes a solution
+            if left == 0 or not isfinite(worst):
                 return None
             v_before, r_before = v.copy(), r.copy()
             move, change = secants.move(r, self._smooth), 0.0
@@ -108,11 +114,11 @@ class Corrector:
                 change = (arc - dot(chord, v) - dot(chord, move)) / slope if slope != 0.0 else 0.0
                 move += change * response
             change *= advance(v, move, self.options.longest * problem.unit)
-            self.worst = problem.residual(v, s, r)
+            worst = problem.residual(v, s, r)
             secants.push(v, r, v_before, r_before)
             if chord is not None:
                 s += change
                 r += change * direction
-                self.worst = float(np.abs(r).max())
+                worst = float(np.abs(r).max())
             left -= 1
-        return s
+        return Solution(v, s, worst)

@@ -21,13 +21,13 @@ class GfmdOptions:
     budget: int = 1_000_000  # most steps of an increment, of some 20 us each; a slip of the default takes 3,500
 
 
-OPTIONS = GfmdOptions()
+GFMD = GfmdOptions()
 
 
 class Gfmd:
     """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    def __init__(self, problem, damping, closed, options: GfmdOptions = OPTIONS):
+    def __init__(self, problem, damping, closed, options: GfmdOptions = GFMD):
         self.problem, self.damping, self.closed, self.options = problem, damping, closed, options
 
     def increment(self, state, target) -> Increment:

@@ -10,8 +10,7 @@ from functools import partial
 import numpy as np
 
 from .state import End, NotConverged
-from .transient import OPTIONS as TRANSIENT
-from .transient import TooLong, Transient, TransientOptions, Trial
+from .transient import TRANSIENT, TooLong, Transient, TransientOptions, Trial
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class LandingOptions:
     transient: TransientOptions = TRANSIENT
 
 
-OPTIONS = LandingOptions()
+LANDING = LandingOptions()
 USUAL = Trial()
 HALF = Trial(2.0)  # over one barrier: half of the usual step
 # Over several barriers. The first one differs in the step alone: of two that start elsewhere, too, both may be wrong
@@ -45,7 +44,7 @@ FARTHER = Trial(nearer=0.2)
 DISTURBED = Trial(nearer=5.0, kick=1e-3)
 
 
-def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions = OPTIONS) -> End:
+def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions = LANDING) -> End:
     """An End with the State `after` in which the motion from it comes to rest, and whether that is `sensitive`.
 
     The state's load is that of the End or, if the motion does not rest there, the next at which it does. damping: over

@@ -40,7 +40,7 @@ class MotionOptions:
     creep: float = 0.25  # overdamped step, over the time in which a closed node relaxes; 0.125 takes 3 % more steps
 
 
-OPTIONS = MotionOptions()
+MOTION = MotionOptions()
 ROUND_OFF = 1e-14  # of two eigenvalues, a difference that round-off makes
 
 
@@ -49,7 +49,7 @@ class Motion:
 
     least = 1.0  # stiffness of the interface, over the closed one, below which steps grow no more
 
-    def __init__(self, dynamics, y, load, damping, closed, options: MotionOptions = OPTIONS):
+    def __init__(self, dynamics, y, load, damping, closed, options: MotionOptions = MOTION):
         """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
         self.dynamics, self.y, self.change, self.options = dynamics, y, np.zeros_like(y), options
         self.closed, self.friction = closed, damping * dynamics.critical
@@ -144,7 +144,7 @@ class Creep(Motion):
         return np.zeros_like(self.y)
 
 
-def motion_of(dynamics, y, load, damping, closed, options: MotionOptions = OPTIONS) -> Motion:
+def motion_of(dynamics, y, load, damping, closed, options: MotionOptions = MOTION) -> Motion:
     """The Motion of a slip at that damping, over critical; inf: Creep."""
     return (Motion if isfinite(damping) else Creep)(dynamics, y, load, damping, closed, options)
 

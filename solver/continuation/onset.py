@@ -59,10 +59,11 @@ def _narrowed(corrector, judged, state, stable, unstable):
         if width <= SHARP * corrector.problem.unit or low == high:
             break
         part = min(max(low / (low - high), LEAST), 1.0 - LEAST)
-        load, v = mixed((part, 1.0 - part), (unstable.point, stable.point))
-        if corrector.solve(v, load, state.secants) is None:
+        guess = mixed((part, 1.0 - part), (unstable.point, stable.point))
+        solution = corrector.solve(guess.v, guess.load, state.secants)
+        if solution is None:
             break
-        side = judged(Point(load, v), unstable.mode)
+        side = judged(Point(guess.load, solution.v), unstable.mode)
         grows = side.mode.growth >= 0.0
         if grows:
             unstable, high, low = side, side.mode.growth, 0.5 * low if last is grows else low

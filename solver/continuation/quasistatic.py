@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import branch, corrector, landing, rest
-from .branch import BranchOptions, continue_branch
-from .corrector import Corrector, CorrectorOptions
-from .landing import LandingOptions, motion_to_rest
-from .rest import Judge, RestOptions
+from .branch import BRANCH, BranchOptions, continue_branch
+from .corrector import CORRECTOR, Corrector, CorrectorOptions
+from .landing import LANDING, LandingOptions, motion_to_rest
+from .rest import REST, Judge, RestOptions
 from .state import End, Increment, NotConverged, State, slipped
 
 
@@ -17,19 +16,19 @@ class QuasiStaticOptions:
     """Of the stepper, with those of its parts."""
 
     slips: int = 100  # most slips of an increment; soft layers that jump into contact make some ten
-    corrector: CorrectorOptions = corrector.OPTIONS
-    branch: BranchOptions = branch.OPTIONS
-    rest: RestOptions = rest.OPTIONS
-    landing: LandingOptions = landing.OPTIONS
+    corrector: CorrectorOptions = CORRECTOR
+    branch: BranchOptions = BRANCH
+    rest: RestOptions = REST
+    landing: LandingOptions = LANDING
 
 
-OPTIONS = QuasiStaticOptions()
+QUASISTATIC = QuasiStaticOptions()
 
 
 class QuasiStatic:
     """Advances States of one `problem` along its load; keeps only scratch between calls."""
 
-    def __init__(self, problem, damping, closed, options: QuasiStaticOptions = OPTIONS):
+    def __init__(self, problem, damping, closed, options: QuasiStaticOptions = QUASISTATIC):
         """damping: over critical; closed: as of `motion.Motion`."""
         self.problem, self.damping, self.closed, self.options = problem, damping, closed, options
         self.judge, self.corrector = Judge(damping, options.rest), Corrector(problem, options.corrector)
@@ -52,7 +51,7 @@ class QuasiStatic:
             else:
                 state = reached
             return Increment(state, tuple(slips))
-        raise NotConverged(f"more than {options.slips} slips in one increment, residual {self.corrector.worst:.2g} nm")
+        raise NotConverged(f"more than {options.slips} slips in one increment, residual {state.residual:.2g} nm")
 
     def _continued(self, state, target):
         """The State at load `target` on the branch of `state`, or the End before it."""

@@ -52,16 +52,17 @@ def _repeated(problem, state, target, trace):
         target = load + shift
     passed = branch.at(load)
     guess = passed.v + shift * problem.direction
-    v, corrector = guess.copy(), Corrector(problem)
+    corrector = Corrector(problem)
     secants = corrector.secants()  # those of a state near a fold may lead to the branch beyond it
-    solved = corrector.solve(v, target, secants)
-    if solved is None or not _same(problem, guess, v, branch, load):
+    solution = corrector.solve(guess, target, secants)
+    if solution is None or not _same(problem, guess, solution.v, branch, load):
         return None
+    v = solution.v
     if not np.array_equal(v, guess):  # interpolation did not meet the tolerance: the trace takes the solution
         trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
     slips = trace.slips_between(state.load, target, problem.direction)
     past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-    reached = State(target, v, past, secants, state.sharp, state.mode, False, corrector.worst)
+    reached = State(target, v, past, secants, state.sharp, state.mode, False, solution.residual)
     return Increment(reached, slips, True), trace
 
 

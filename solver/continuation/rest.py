@@ -48,7 +48,7 @@ class RestOptions:
     far: float = 0.8
 
 
-OPTIONS = RestOptions()
+REST = RestOptions()
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Mode:
 class Judge:
     """Judges the states of a run, under a motion of that damping over critical."""
 
-    def __init__(self, damping, options: RestOptions = OPTIONS):
+    def __init__(self, damping, options: RestOptions = REST):
         self.damping, self.options = damping, options
 
     def accept(self, problem, v, last=None) -> Mode:

@@ -11,10 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .corrector import OPTIONS as CORRECTOR
-from .corrector import Corrector, CorrectorOptions
-from .motion import OPTIONS as MOTION
-from .motion import MotionOptions, motion_of
+from .corrector import CORRECTOR, Corrector, CorrectorOptions
+from .motion import MOTION, MotionOptions, motion_of
 from .state import NotConverged, Restless, State
 
 
@@ -71,7 +69,7 @@ class TransientOptions:
     corrector: CorrectorOptions = CORRECTOR
 
 
-OPTIONS = TransientOptions()
+TRANSIENT = TransientOptions()
 
 
 class Trial(NamedTuple):
@@ -93,7 +91,7 @@ class Transient:
     the end of the branch; landing, near: bounds of residual and swing below which Anderson steps are tried, nm.
     """
 
-    def __init__(self, problem, end, trial, judge, damping, closed, options: TransientOptions = OPTIONS):
+    def __init__(self, problem, end, trial, judge, damping, closed, options: TransientOptions = TRANSIENT):
         self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
         self.unit, self.mode, self.options = problem.unit, None, options
         self.finer, self._crawl = trial.finer, 1.0  # divisor of the usual steps; their factor without inertia
@@ -195,16 +193,16 @@ class Transient:
         """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
         corrector = Corrector(self.problem, self.options.corrector)
         corrector.begin(State.at_rest(self.load, self.v))
-        secants, v = corrector.secants(), self.v.copy()
-        solved, farthest = corrector.solve(v, self.load, secants), self.options.corrector.longest * self.unit
-        if solved is None or np.abs(v - self.v).max() > farthest:
+        secants = corrector.secants()
+        solution = corrector.solve(self.v, self.load, secants)
+        if solution is None or np.abs(solution.v - self.v).max() > self.options.corrector.longest * self.unit:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
-        self.mode = self.judge.rightmost(self.problem, v, self.mode)
+        self.mode = self.judge.rightmost(self.problem, solution.v, self.mode)
         if not self.mode.rests:
             return None
-        solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": corrector.worst}
-        return State.at_rest(self.load, v, **solved)
+        solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": solution.residual}
+        return State.at_rest(self.load, solution.v, **solved)
 
     def _restless(self):
         """Whether the motion has lasted so long that it may never rest."""

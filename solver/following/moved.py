@@ -52,13 +52,13 @@ class Solver:
         if not self._begun:
             self.corrector.begin(State.at_rest(load, guess))
             self._begun = True
-        v = guess.copy()
-        if self.corrector.solve(v, load, self.secants) is None:
+        solution = self.corrector.solve(guess, load, self.secants)
+        if solution is None:
             raise NotFollowed(f"the corrector fails at {what}", nearer=True)
-        if np.abs(v - guess).max() > surprise * self.problem.unit:
+        if np.abs(solution.v - guess).max() > surprise * self.problem.unit:
             raise NotFollowed(f"{what} lies on another branch", nearer=True)
-        self._check(v, self.corrector.worst, what)
-        return v
+        self._check(solution.v, solution.residual, what)
+        return solution.v
 
     def fold(self, guess: End, what: str) -> End:
         """The fold next to a guess; raises NotFollowed where there is none."""

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..continuation.rest import OPTIONS as REST
+from ..continuation.rest import REST
 from ..mechanics.flutter import safe_damping
 from ..scene import Scene
 

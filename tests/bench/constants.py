@@ -29,11 +29,11 @@ PLAIN = {  # constants outside of records, and the modules that have imported th
 
 
 def constants():
-    """Yield (name, value, function that sets it): plain ones, and the numbers of every module's OPTIONS."""
+    """Yield (name, value, function that sets it): plain ones, and the numbers of every module's default options."""
     for name, modules in PLAIN.items():
         yield name, getattr(modules[0], name), lambda x, n=name, some=modules: [setattr(m, n, x) for m in some]
     for module in iter_modules(continuation.__path__):
-        record = getattr(import_module(f"{continuation.__name__}.{module.name}"), "OPTIONS", None)
+        record = getattr(import_module(f"{continuation.__name__}.{module.name}"), module.name.upper(), None)
         for field in fields(record) if record else ():
             value = getattr(record, field.name)
             if isinstance(value, (int, float)):

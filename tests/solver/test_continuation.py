@@ -415,32 +415,32 @@ class Linear(Toy):
 def test_anderson_steps_solve_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
     problem = Linear()
     corrector = Corrector(problem)
-    v = np.zeros(problem.size)
-    assert corrector.solve(v, 0.0, corrector.secants()) is not None
-    assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-10)
+    solution = corrector.solve(np.zeros(problem.size), 0.0, corrector.secants())
+    assert solution.v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-10)
     assert problem.evaluations - 1 <= problem.size + 2  # steps; in exact arithmetic one more than unknowns
 
 
 def test_secant_pairs_kept_from_one_load_serve_at_the_next():
     problem = Linear()
     corrector = Corrector(problem)
-    secants, v = corrector.secants(), np.zeros(problem.size)
-    assert corrector.solve(v, 0.0, secants) is not None
+    secants = corrector.secants()
+    first = corrector.solve(np.zeros(problem.size), 0.0, secants)
     problem.evaluations = 0
-    assert corrector.solve(v, 1.0, secants) and problem.evaluations - 1 <= 4 < problem.size
+    second = corrector.solve(first.v, 1.0, secants)
+    assert problem.evaluations - 1 <= 4 < problem.size
     expected = np.linalg.solve(problem.M, problem.b + problem.direction)
-    assert v == pytest.approx(expected, abs=1e-10)
+    assert second.v == pytest.approx(expected, abs=1e-10)
 
 
 def test_steps_with_an_inverse_converge_where_anderson_steps_do_not():
     """100 unlike eigenvalues: more than 20 secant pairs can tell apart in 60 steps."""
     problem = Linear(100)
     problem.M, problem.tolerance = np.diag(np.linspace(1.0, 1000.0, 100)), 1e-7
-    corrector, v = Corrector(problem), np.zeros(problem.size)
+    corrector = Corrector(problem)
     assert corrector.sharp is None
-    assert corrector.solve(v, 0.0, corrector.secants()) is not None
+    solution = corrector.solve(np.zeros(problem.size), 0.0, corrector.secants())
     assert corrector.sharp is not None
-    assert v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-6)
+    assert solution.v == pytest.approx(np.linalg.solve(problem.M, problem.b), abs=1e-6)
 
 
 def test_no_solution_is_reported_where_none_exists():
@@ -454,8 +454,8 @@ def test_no_solution_is_reported_where_none_exists():
 def test_arc_length_steps_solve_for_the_load_beyond_a_fold():
     """On the unstable branch of the cubic, v = -0.3 belongs to the load v^3 - v."""
     toy = cubic()
-    corrector, v = Corrector(toy), np.array([-0.35])
-    load = corrector.solve(v, 0.3, corrector.secants(), np.array([1.0]), -0.3)
+    corrector = Corrector(toy)
+    v, load, _ = corrector.solve(np.array([-0.35]), 0.3, corrector.secants(), np.array([1.0]), -0.3)
     assert v[0] == pytest.approx(-0.3, abs=1e-11) and load == pytest.approx(-(0.3**3) + 0.3, abs=1e-11)
 
 
