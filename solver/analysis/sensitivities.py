@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..continuation.fold import Bordered, FoldOptions, fold_near
 from ..continuation.inverse import NotSolved, Solves
-from ..continuation.trace import Branch, lagrange
+from ..continuation.trace import Branch
 from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..mechanics.contact import Contact
@@ -34,9 +34,6 @@ NEWTON = 4  # most steps that solve a state to the scene's tolerance: from 1e-5 
 CORRECTED = 1e-4  # accuracy of the linear solve of such a step: the rest of 1e-5 nm moves derivatives by 1e-9
 ACCURACY = 1e-9  # of a linear solve; derivatives are asked for to 1e-5, and amplified near a fold
 ALONG = 1e-7  # the same at states along a branch, where nothing is amplified
-# states from which the solution at the next one is extrapolated, as it changes smoothly along a branch; 4 and 8 take
-# up to 3 % more products with the tangent
-AHEAD = 6
 SHARP = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
 
 
@@ -145,17 +142,6 @@ def _slips(skeleton, folds):
     return tuple(slips)
 
 
-def _ahead(solutions, t, fold):
-    """[x (3, size)] of the next of the states at t (n,), extrapolated from the (duals, x) before it, or []."""
-    i, before = len(solutions), solutions[-AHEAD:]
-    if not before:
-        return []
-    weights = lagrange(t[i - len(before) : i], t[i])
-    if fold:  # towards it x grows as 1/(1 - t)
-        weights *= (1.0 - t[i - len(before) : i]) / (1.0 - t[i])
-    return [sum(weight * x for weight, (_, x) in zip(weights, before, strict=True))]
-
-
 class _Fold(NamedTuple):
     """A fold: its event, {parameter: (4,)} derivatives of U_x, F_bar, L_bar, A_bar, the same by nodes (4, nodes)."""
 
@@ -219,13 +205,9 @@ class _Differentiator:
             v = v - Solves(linearised, accuracy=CORRECTED)(r)
         raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
 
-    def duals(self, state, gradients, guess=(None, None, None)) -> tuple[Floats, Floats]:
-        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T.
-
-        guess: of x (k, size).
-        """
-        sides = [-state.linearised.by_unknowns(gradient) for gradient in gradients]
-        x = np.array([state.solves(b, True, start) for b, start in zip(sides, guess, strict=False)])
+    def duals(self, state, gradients) -> tuple[Floats, Floats]:
+        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T."""
+        x = np.array([state.solves(-state.linearised.by_unknowns(gradient), True) for gradient in gradients])
         parts = (state.linearised.by_traction(part) for part in x)
         return np.array([gradient + part for gradient, part in zip(gradients, parts, strict=True)]), x
 
@@ -245,7 +227,7 @@ class _Differentiator:
 
     def branch(self, branch, start, fold) -> BranchSensitivity:
         """The BranchSensitivity; start: {parameter: derivative} of its first load, or None where that is fixed."""
-        n, t = len(branch.states), branch.position(branch.loads)
+        n = len(branch.states)
         outputs, slope = np.full((4, n), np.nan), np.full((3, n), np.inf)
         outputs[0] = branch.loads
         states: list[_State] = []
@@ -254,8 +236,7 @@ class _Differentiator:
             passed = branch.states[i]
             state = self.settled(passed.v, passed.load, ALONG)
             outputs[1:, i] = forces_and_area(self.scene, state.T)
-            guess = _ahead(solutions, t, fold)
-            solutions.append(self.duals(state, gradients(self.scene, state.T), *guess))
+            solutions.append(self.duals(state, gradients(self.scene, state.T)))
             slope[:, i] = solutions[-1][1] @ self.problem.direction
             states.append(state)
         inner, (duals, x) = slice(len(states)), map(np.array, zip(*solutions, strict=True))
