@@ -189,14 +189,13 @@ def with_profile(scene: Scene, profile: Profile) -> Scene:
 def _refuse_large(scene, values):
     """Raise SceneError if the run is too large for a browser."""
     increments = increments_of(scene)
-    nodes = 1 if scene.surface == "flat" else scene.nodes
-    if increments > INCREMENTS or increments * nodes > NUMBERS:
+    if increments > INCREMENTS or increments * scene.nodes > NUMBERS:
         name = next((name for name in ("nodes", "du_x", "du_z", "u_x_max") if name in values), "u_x_max")
         raise SceneError(
             name,
             getattr(scene, name),
-            f"the run would take {increments} increments of {nodes} nodes,"
-            f" allowed here: {min(INCREMENTS, NUMBERS // nodes)} increments",
+            f"the run would take {increments} increments of {scene.nodes} nodes,"
+            f" allowed here: {min(INCREMENTS, NUMBERS // scene.nodes)} increments",
             "shorten it, enlarge du_x or du_z, or use python -m solver run",
         )
 

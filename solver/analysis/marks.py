@@ -44,10 +44,8 @@ def of_flat(scene: Scene, name: str) -> tuple[tuple[float, str], ...]:
 
 def _no_load(skeleton):
     """delta_bar at which the contact carries no load before shear; None if following ends before it."""
-    here, loads = _at_rest(skeleton.contact or skeleton), []
+    here, loads = _at_rest(skeleton), []
     for _ in range(MOST):
-        if here.contact:  # the surfaces are apart there
-            return None
         loads.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
         at, L = loads[-1]
         if abs(L) <= NO_LOAD * max(abs(load) for _, load in loads):
@@ -106,7 +104,7 @@ def _border(skeleton, name):
 
 def _slips(skeleton):
     """Whether the Skeleton has slips, and ends at the fold of one."""
-    return not skeleton.contact and bool(skeleton.sites) and skeleton.branches[-1].slip is not None
+    return bool(skeleton.period) and skeleton.branches[-1].slip is not None
 
 
 def _slip_squared(skeleton):

@@ -3,6 +3,6 @@
 skeleton    a run that slides, by its branches
 moved       states, folds and branches moved to a changed problem; knows nothing of contacts; NotFollowed
 refinement  how many states a branch needs
-follow      the skeleton of another scene from that of one nearby, also without contact and under a held load
+follow      the skeleton of another scene from that of one nearby, also under a held load
 from_run    the skeleton of a run from its trace
 """

@@ -27,7 +27,6 @@ FINE = 1e-8  # nm, of the residual of the state whose load is held: derivatives 
 FARTHEST = 1.5  # units that it may move beside the change of the indentation: farther off, it is on another branch
 ACCURACY = 1e-3  # of a linear solve, of which only a sign is used
 APART = 0.1  # units between states of one branch: with and without contact they differ by a unit or more
-INTERVALS = 12  # of a lattice period, at first: the force is nearly a sine, and `refined` adds states where needed
 
 
 @one_thread()
@@ -84,9 +83,6 @@ def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
         raise NotFollowed(str(failure)) from None
     finally:
         spent[0] += contact.evaluations
-    if new is None and skeleton.contact is not None:
-        return moved(skeleton.contact, scene, spent)
-    assert new is not None
     states = (state for branch in new.branches for state in branch.states)
     if min(contact.outside(state.v[: 2 * contact.size].reshape(2, -1)) for state in states) < NEAREST * scene.delta_n:
         raise NotFollowed("nodes outside the patch may interact")
@@ -94,12 +90,10 @@ def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
 
 
 def _moved(contact, skeleton):
-    """The Skeleton of a Contact's scene; None where the surfaces are in contact, unlike in `skeleton`."""
+    """The Skeleton of a Contact's scene."""
     scene, jumps = contact.scene, _jumps(contact, skeleton)
     if jumps and scene.delta < jumps[-1].load:
-        return without_contact(contact, skeleton, jumps)
-    if skeleton.contact is not None:
-        return None
+        raise NotFollowed("the approach ends before the jump into contact")
     held, trace, residual = _trace(contact, skeleton, jumps or ())
     new = replace(skeleton, scene=scene, trace=trace, held=held, residual=residual)
     if jumps is None:
@@ -174,34 +168,6 @@ def _stiffens(problem, v):
     return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0
 
 
-def without_contact(contact: Contact, skeleton: Skeleton, jumps: tuple) -> Skeleton:
-    """The Skeleton of a Contact's scene where the approach ends before the last of `jumps`, the jump into contact.
-
-    Surfaces in contact might still adhere at that indentation, but the run comes from above and stays without contact.
-    """
-    scene = contact.scene
-    if len(jumps) > 1:
-        raise NotFollowed("the approach ends between two jumps into contact")
-    if scene.hold == "load":
-        raise NotFollowed("hold = 'load': there is no contact that carries a load")
-    solver = Solver(Equilibrium(contact, sideways(1.0, -scene.delta)))
-    v = _apart(solver)
-    fold, m = jumps[0], contact.size
-    if (v[m:] + scene.delta).min() < (fold.v[m : 2 * m] + fold.load).min():
-        raise NotFollowed("the state without contact is not found")
-    loads = np.linspace(0.0, scene.spacing, INTERVALS + 1)
-    guesses = v + np.outer(loads, solver.problem.direction)
-    guess = Branch.of(loads, guesses, periodic=True)
-    branch = refined(scene, skeleton.first, solver, moved_branch(solver, guess, 0.0, scene.spacing, None, 1), 1)
-    trace = Trace((branch,), period=scene.spacing, jumps=jumps)
-    return Skeleton(scene, skeleton.first, trace, contact=skeleton.contact or skeleton)
-
-
-def _apart(solver):
-    """v at U_x = 0 that the corrector reaches from the undeformed surface."""
-    return solver.state(solver.problem.undeformed(0.0), 0.0, "the state without contact", np.inf)
-
-
 def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
     """Raises NotFollowed where the Skeleton has contact, but the surfaces may stay apart at the end of the approach.
 
@@ -210,7 +176,7 @@ def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
     solver = Solver(Equilibrium(contact, sideways(1.0, -contact.scene.delta)))
     reached = skeleton.unknowns(0.0)[0, : solver.problem.size] if skeleton.held is None else skeleton.held.v
     try:
-        apart = _apart(solver)
+        apart = solver.state(solver.problem.undeformed(0.0), 0.0, "the state without contact", np.inf)
     except NotFollowed:
         return
     if np.abs(apart - reached).max() > APART * solver.problem.unit:

@@ -45,7 +45,6 @@ class Skeleton:
     lost: bool = False  # whether there are jumps that are not among those of the trace
     evaluations: int = 0  # force evaluations spent in getting it
     residual: float = np.inf  # nm, the largest of its states
-    contact: "Skeleton | None" = field(default=None, repr=False)  # without contact: that in contact, for the way back
     held: Held | None = field(default=None, repr=False)  # under a held load
 
     def __repr__(self) -> str:

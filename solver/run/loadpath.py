@@ -1,8 +1,9 @@
 """The experiment as a sequence of Frames along the load steps of its path; from Checkpoints in between."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from math import inf
 from time import perf_counter, thread_time
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..threads import one_thread
 from .frame import Frame, SlipEvent, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
-METHODS: dict[str, Callable[..., Any]] = {"fast": QuasiStatic, "gfmd": Gfmd}
+METHODS: Mapping[str, Callable[..., Any]] = MappingProxyType({"fast": QuasiStatic, "gfmd": Gfmd})
 # Computations that a run may leave out; frames agree to the tolerance with and without one.
 # patch: nodes that springs do not reach. translation: sliding repeats itself after a lattice period, so known states
 # are moved on and verified.

@@ -73,11 +73,6 @@ def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
 
 
 @pytest.mark.slow
-def test_marks_remain_left_of_the_jump_into_contact(default):
-    apart = found(moved(default, delta_bar=-0.5), "delta_bar")
-    assert apart == pytest.approx(found(default, "delta_bar"), abs=1e-3)
-
-
 def test_slips_that_end_between_two_steps_leave_no_mark():
     """Its slips end between two search steps: no further slip has a size to extrapolate."""
     assert found(skeleton_of(Scene(delta_bar=-0.41)), "E") == {}
