@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from .analysis.theory import theory
     from .analysis.toughness import release_rates, toughness
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 __all__ = [
     "CHOICES",
     "LIMITS",

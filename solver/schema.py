@@ -112,7 +112,9 @@ def as_number(value: Any) -> float:
         return nan
 
 
-RETIRED = {"window_n": "it has no effect since version 0.2, as springs act at any gap: leave it out"}
+RETIRED = {  # {a parameter that there was: why it has no effect, and since which version}
+    "window_n": "it has no effect since version 0.2, as springs act at any gap: leave it out"
+}
 MEANT = {  # {parameter: what others call it, in small letters without underscores}
     "E": ("emod", "emodulus", "young", "youngs", "youngsmodulus", "youngmodulus", "modulus", "stiffness"),
     "nu": ("poisson", "poissonratio", "poissonsratio"),

@@ -134,9 +134,9 @@ def _rise(steps):
 def read_measurement(source: Source, scene: Scene) -> Measurement:
     """Reads a CSV with a heading: U_x (nm), F (N/m) or F_bar, and optionally L or L_bar, A (nm) or A_bar.
 
-    NAMED lists what else a heading may say, UNITS the units that are converted, as in U_x (um). Other columns are left
-    out, and rows without all numbers. In a file with a column `stage`, as `run --csv` writes, only the shear counts: it
-    must have one. Of L and L_bar only that in the form of the friction counts, as w E may be a free parameter.
+    NAMED lists other headings, UNITS the units that are converted, as in U_x (um). Other columns and incomplete rows
+    are left out. A file with a column `stage`, as `run --csv` writes, must have one shear; only that counts. L counts
+    beside F, and L_bar beside F_bar, because w E may be a free parameter.
 
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; scene: gives
     w E and w, over which forces in N/m and areas in nm are taken.

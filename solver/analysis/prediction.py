@@ -13,11 +13,11 @@ from .sensitivities import Sensitivities
 Floats = NDArray[np.float64]
 END = 1e-3  # of t from 1; nearer, dF/dU is infinite, and F changes by the square of that
 BESIDE = 5e-4  # of t, for a derivative by it: the error is the square, and round-off 1e-12
-# of the largest drop of F, below 1 so that it is visible itself: where all drops are too small to be visible, they may
-# grow in later trials
+# Part of the largest drop of F above which a drop is visible, if none is above `seen`. It is below 1, so that the
+# largest one is visible: it may grow in later trials.
 PART = 0.9
-# times the measured range, up to which slips are listed: offset_U or parameters move them into and out of the range. A
-# trial beyond is rejected as one with too few slips
+# Slips are listed up to so many times the measured range, as offset_U and parameters move them into and out of it. A
+# trial that needs more is rejected: it has too few slips.
 AHEAD = 2.0
 
 

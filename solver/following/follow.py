@@ -19,14 +19,16 @@ from .refinement import refined
 from .skeleton import Held, Skeleton
 
 SAME = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not continuous
-PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")  # of no effect on the jump into contact
-HALVES = 2  # how often a move is halved where states or folds moved too far, to quarters
-NO_LATER = 1e-6  # nm by which a branch may begin after the state in which a slip lands, by rounding
-NEAREST = 15.0  # delta_n, of nodes outside the patch: their springs pull with 5e-6 of phi_n/delta_n, 1e-6 of forces
-FINE = 1e-8  # nm, of the residual of the state whose load is held: derivatives of it are asked for to 1e-5
-FARTHEST = 1.5  # units that it may move beside the change of the indentation: farther off, it is on another branch
-ACCURACY = 1e-3  # of a linear solve, of which only a sign is used
-APART = 0.1  # units between states of one branch: with and without contact they differ by a unit or more
+# parameters that do not change the jump into contact: they belong to the path, or to how it is computed
+PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")
+HALVES = 2  # A move whose states or folds move too far is halved at most so often: into quarters
+LATER = 1e-6  # nm, rounding: a branch may begin so much later than the state in which a slip lands
+# delta_n, the least gap of nodes outside the patch. Their springs pull with 5e-6 of phi_n/delta_n, 1e-6 of the forces
+NEAREST = 15.0
+FINE = 1e-8  # nm, residual of the state whose load is held: its derivatives are asked for to 1e-5
+FARTHEST = 1.5  # units that this state may move, beside the indentation; farther off, it lies on another branch
+ACCURACY = 1e-3  # relative, of a linear solve: only the sign of its result is used
+APART = 0.1  # units: states farther apart are two equilibria; with and without contact they differ by a unit or more
 
 
 @one_thread()
@@ -49,9 +51,9 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
 
 
 def _in_parts(skeleton, scene, halves, spent):
-    """The Skeleton of the scene, directly or through scenes in between; adds its evaluations to spent[0]."""
+    """The Skeleton of the scene, at once or by scenes in between; adds its force evaluations to spent[0]."""
     try:
-        return moved(skeleton, scene, spent)
+        return moved_at_once(skeleton, scene, spent)
     except NotFollowed as failure:
         if not (failure.nearer and halves):
             raise
@@ -74,8 +76,8 @@ def _halfway(a, b):
     return 0.5 * (a + b) if np.isfinite(a + b) else 2.0 * min(a, b)
 
 
-def moved(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
-    """The Skeleton of the scene, directly; adds its evaluations to spent[0]."""
+def moved_at_once(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
+    """The Skeleton of the scene, not by scenes in between; adds its force evaluations to spent[0]."""
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     try:
         new = _moved(contact, skeleton)
@@ -134,7 +136,7 @@ def _trace(contact, skeleton, jumps):
         new = moved_branch(solver, branch, start, end, fold, k)
         branches.append(refined(scene, skeleton.first, solver, new, k))
         start = new.end
-    if period and folds[-1] and branches[home].start > start - period + NO_LATER:
+    if period and folds[-1] and branches[home].start > start - period + LATER:
         raise NotFollowed("a slip lands before the first state of the branch that should follow it")
     refuse_disorder([fold.load for fold in folds if fold], home, period)
     return held, Trace(tuple(branches), home, period, jumps), solver.residual
@@ -147,14 +149,14 @@ def refuse_disorder(loads: Sequence[float], home: int, period: float) -> None:
         raise NotFollowed("slips come in another order, which following does not show", nearer=True)
 
 
-def followed_held(contact: Contact, old: Held, moved: float = 0.0) -> Held:
-    """The Held of a Contact's scene, from that of a scene nearby of an indentation smaller by `moved`, nm.
+def followed_held(contact: Contact, old: Held, deeper: float = 0.0) -> Held:
+    """The Held of a Contact's scene, from that of a scene nearby whose indentation is smaller by `deeper`, nm.
 
     Raises NotFollowed where one of them is stable under its load and the other is not.
     """
     problem, what = Equilibrium(contact, sideways(1.0, -contact.scene.delta)), "the state whose load is held"
     solver = Solver(problem, tolerance=FINE)
-    v = solver.state(old.v, 0.0, what, FARTHEST + abs(moved) / problem.unit)
+    v = solver.state(old.v, 0.0, what, FARTHEST + abs(deeper) / problem.unit)
     kind = "" if _stiffens(problem, v) else "control"
     if old.kind is not None and bool(kind) != bool(old.kind):
         raise NotFollowed(f"{what} is {'un' if kind else ''}stable under it, unlike before")

@@ -10,17 +10,17 @@ from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
 from ..scene import Scene
 from ..threads import one_thread
-from .follow import moved
+from .follow import moved_at_once
 from .moved import NotFollowed
 from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
-ALIKE = 1e-4  # nm, between ends of branches that are the same
-MOST = 12  # branches: nearly all sliding runs repeat themselves after three
-FEWEST = 3  # states of a branch, from which others can be interpolated
-OFF = 1e-3  # of the largest force, the largest error at the run's states: the accuracy that followed runs promise
-MINOR = 0.1  # of the larger force, to which a smaller one is compared: one may be held at nearly nothing
-CLEAR = 1e-4  # nm, the largest error of its slips: the accuracy that followed runs promise
+SAME = 1e-4  # nm: ends of branches that are nearer are the same end
+MOST = 12  # branches of a skeleton; nearly all sliding runs repeat themselves after three
+FEWEST = 3  # states of a branch; others cannot be interpolated from fewer
+OFF = 1e-3  # of the largest force: error at the states of the run that followed runs promise to stay below
+MINOR = 0.1  # of the larger force: the least scale for errors of the smaller one, which may be held at nearly nothing
+CLEAR = 1e-4  # nm: error of slips that followed runs promise to stay below
 
 
 def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
@@ -60,7 +60,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     whole = trace.branches[0].states[0].v.size // 2 == scene.nodes
     first, spent = 0 if whole else patch(scene)[0], [0]
     guess, passed = _guess(scene, first, trace)
-    skeleton = moved(guess, scene, spent)
+    skeleton = moved_at_once(guess, scene, spent)
     _compare(skeleton, passed, guess)
     return replace(skeleton, evaluations=spent[0])
 
@@ -94,7 +94,7 @@ def _longest(branches, home, period, m):
     if not home:
         return branches, home
     part, last = branches[home - 1], branches[-1]
-    if last.start - period > part.start or abs(last.end - period - part.end) > ALIKE:
+    if last.start - period > part.start or abs(last.end - period - part.end) > SAME:
         return branches, home
     along = np.zeros(last.states[0].v.size)  # the unknowns that move on with the load
     along[:m] = 1.0

@@ -16,12 +16,12 @@ from ..continuation.state import End, Point, State
 from ..continuation.trace import Branch, lagrange
 
 TOLERANCE = 1e-5  # nm, of residuals: the forces of followed runs are right to 1e-4
-SURPRISE = 0.3  # units from its guess, beyond which a state may lie on another branch: as long as a step of the arc
-# The load of a fold to the tolerance of states; its state such that F_s is right to 1e-5 (at 3e-3 units a weak one was
-# off by 1.3e-3). Looser solves save 4 % of a move's evaluations.
+SURPRISE = 0.3  # units, a step of the arc: a state farther from its guess may lie on another branch
+# A fold has a load as accurate as states, and a state that makes F_s right to 1e-5: at 3e-3 units, F_s of a weak fold
+# was off by 1.3e-3. Looser solves save 4 % of the evaluations of a move.
 FOLDS = FoldOptions(load=TOLERANCE, state=1e-4, accuracy=3e-2)
-NEAR = 3  # changes of states from which that of the next one is extrapolated; 2 and 4 take as many evaluations
-FIRST = 1.5  # units that the first state of a branch without a fold may move: farther off, it is on another branch
+NEAR = 3  # The change of a state is extrapolated from so many before it; 2 and 4 take as many evaluations
+FIRST = 1.5  # units that the first state of a branch without a fold may move; farther off, it lies on another branch
 
 
 class NotFollowed(Exception):

@@ -25,11 +25,11 @@ STAGES = {
     "move": ("U_x", 1.0),  # with delta, along an oblique line
 }
 
-# T_z over phi_n/delta_n from which a node is in contact: elsewhere it only tells zero from round-off, but on a flat at
-# dn = 0 all nodes share one error of dn, at most the largest tolerance allowed
+# A node is in contact if T_z over phi_n/delta_n exceeds this. On a curved surface that separates zero from round-off.
+# On a flat at dn = 0 all nodes share one error of dn, up to the largest tolerance allowed, so the bound is higher.
 CONTACT, CONTACT_OF_FLATS = 1e-8, 1e-3
 
-SAMPLE = 8  # frames: along a branch the safe damping changes by less than 0.05 in so many; one takes 0.2 ms
+SAMPLE = 8  # frames, in which the safe damping changes by less than 0.05 along a branch; computing one takes 0.2 ms
 
 
 def moving(stage: str) -> str:

@@ -2,6 +2,7 @@
 
 import ast
 import pickle
+import re
 from dataclasses import fields
 from math import inf, nan
 from pathlib import Path
@@ -9,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver import LIMITS, Scene, SceneError, scene_from_text
+from solver import LIMITS, Scene, SceneError, __version__, scene_from_text
 from solver.run.load_steps import load_steps_of
 from solver.scene import PARAMETERS
+from solver.schema import RETIRED
 from solver.text import number_from_text
 
 # Values at a limit that need another parameter to follow, or the node spacing would leave its own range.
@@ -168,6 +170,8 @@ def test_an_unknown_name_is_refused_with_the_allowed_ones():
 def test_a_retired_name_is_refused_with_what_to_do():
     with pytest.raises(SceneError, match=r"'window_n'.*no effect since version 0\.2.*leave it out"):
         scene_from_text({"window_n": "10"})
+    for sentence in RETIRED.values():  # no version that is still to come
+        assert re.search(r"since version (\d+\.\d+),", sentence)[1] <= __version__
 
 
 @pytest.mark.parametrize(
