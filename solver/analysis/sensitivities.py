@@ -1,8 +1,13 @@
 """Derivatives of slips and curves by every continuous parameter, and by the strength of every node.
 
-Implicit differentiation of the states of a Skeleton. One solve with the transposed tangent gives the derivatives of
-F_bar, L_bar or A_bar by all parameters: dF/dp = F_p + <x, R_p> with R_v^T x = -F_v. At a fold
-dU/dp = -<psi, R_p>/<psi, R_U>; the state also moves along the null vector, so that the fold remains one.
+Implicit differentiation of the states of a Skeleton. Let G be F_bar, L_bar or A_bar. At fixed v, a parameter p changes
+tractions by T_p, and the residual by R_p = C T_p + r_p. One solve with the transposed tangent, R_v^T x = -G_v, serves
+all parameters:
+
+    dG/dp = G_p + <y, T_p> + <x, r_p>,    y = G_T + C^T x.
+
+At a fold with null vectors phi and psi, dU/dp = -(<C^T psi, T_p> + <psi, r_p>)/<psi, R_U>. The state also moves along
+phi, so that the fold remains one.
 """
 
 from collections.abc import Sequence
@@ -181,12 +186,11 @@ class _Differentiator:
 
     def _carry(self, state):
         """From now on hold the load of a state at given indentation."""
-        carried = np.zeros((1, *state.T.shape))
+        carried = np.zeros((1, *state.T.shape))  # G_T of the mean pressure
         carried[0, 1] = 1.0 / self.scene.nodes
-        (dual,), (x,) = self.duals(state, carried)
-        parts = self.parts([state])
-        self.pressure_by = np.array([np.sum(dual * dT) + x @ rest for (dT,), (rest,) in parts])
-        self.pressure_nodes = (dual * state.T).sum(axis=0)
+        (y,), (x,) = self.adjoints(state, carried)
+        self.pressure_by = np.array([np.sum(y * T_p) + x @ r_p for (T_p,), (r_p,) in self.by_parameters([state])])
+        self.pressure_nodes = (y * state.T).sum(axis=0)
         held = Equilibrium(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
         self.problem = held.solved_to(FINE)
 
@@ -205,24 +209,23 @@ class _Differentiator:
             v = v - Solves(linearised, accuracy=CORRECTED)(r)
         raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
 
-    def duals(self, state, gradients) -> tuple[Floats, Floats]:
-        """(duals (k, 2, m), x (k, size)): dG = <dual, dT> + <x, rest of R_p>, of G with gradients (k, 2, m) by T."""
-        x = np.array([state.solves(-state.linearised.by_unknowns(gradient), True) for gradient in gradients])
-        parts = (state.linearised.by_traction(part) for part in x)
-        return np.array([gradient + part for gradient, part in zip(gradients, parts, strict=True)]), x
+    def adjoints(self, state, G_T) -> tuple[Floats, Floats]:
+        """(y (k, 2, m), x (k, size)) of k quantities G, from their derivatives G_T (k, 2, m) by the tractions."""
+        x = np.array([state.solves(-state.linearised.by_unknowns(each), True) for each in G_T])
+        return G_T + np.array([state.linearised.by_traction(each) for each in x]), x
 
-    def parts(self, states) -> list[tuple[Floats, Floats]]:
-        """[(dT (k, 2, m), the change of R beside C dT (k, size))] by every parameter, at k _States."""
+    def by_parameters(self, states) -> list[tuple[Floats, Floats]]:
+        """[(T_p (k, 2, m), r_p (k, size))] by every parameter, at k _States."""
         at = States([state.linearised for state in states], [state.T for state in states], self.first)
         out, pulled = [], Pulled(at.T, self.first, self.contact)
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
-            rest = np.zeros_like(at.T) + change.complied(pulled)
+            r_p = np.zeros_like(at.T) + change.complied(pulled)
             if not self.held:
-                rest[:, 1] -= change.by(lambda scene: scene.delta)
-            rest = rest.reshape(len(states), -1)
+                r_p[:, 1] -= change.by(lambda scene: scene.delta)
+            r_p = r_p.reshape(len(states), -1)
             if self.held:
-                rest = np.append(rest, np.full((len(states), 1), -self.problem.scale * dp), axis=1)
-            out.append((change.traction(at), rest))
+                r_p = np.append(r_p, np.full((len(states), 1), -self.problem.scale * dp), axis=1)
+            out.append((change.traction(at), r_p))
         return out
 
     def branch(self, branch, start, fold) -> BranchSensitivity:
@@ -236,17 +239,17 @@ class _Differentiator:
             passed = branch.states[i]
             state = self.settled(passed.v, passed.load, ALONG)
             outputs[1:, i] = forces_and_area(self.scene, state.T)
-            solutions.append(self.duals(state, gradients(self.scene, state.T)))
+            solutions.append(self.adjoints(state, gradients(self.scene, state.T)))
             slope[:, i] = solutions[-1][1] @ self.problem.direction
             states.append(state)
-        inner, (duals, x) = slice(len(states)), map(np.array, zip(*solutions, strict=True))
+        inner, (y, x) = slice(len(states)), map(np.array, zip(*solutions, strict=True))
         share, by = (outputs[0, inner] - branch.start) / (branch.end - branch.start), {}
-        for change, (dT, rest) in zip(self.changes, self.parts(states), strict=True):
+        for change, (T_p, r_p) in zip(self.changes, self.by_parameters(states), strict=True):
             ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
             load = (1.0 - share) * ends[0] + share * ends[1]
-            moved = np.einsum("kiam,kam->ik", duals, dT) + np.einsum("kis,ks->ik", x, rest)
-            moved += explicit(self.scene, outputs[1:, inner], change) + slope[:, inner] * load
-            by[change.name] = np.array([load, *moved])
+            G_p = explicit(self.scene, outputs[1:, inner], change)
+            dG = G_p + np.einsum("kiam,kam->ik", y, T_p) + np.einsum("kis,ks->ik", x, r_p)
+            by[change.name] = np.array([load, *(dG + slope[:, inner] * load)])
         if fold:
             outputs[:, -1] = fold.values
             by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
@@ -261,29 +264,29 @@ class _Differentiator:
         at = Bordered(problem, fold.v, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
         linearised: Any = at.linearised
         state = _State(linearised, at.solves, problem.traction(fold.v))
-        outputs, pull = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
-        rises = np.array([linearised.by_unknowns(gradient) for gradient in pull])
-        back = (rises @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold
-        sides = np.append(back[:, None] * at.slopes - rises, np.zeros((3, 1)), axis=1)
+        outputs, G_T = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
+        G_v = np.array([linearised.by_unknowns(each) for each in G_T])
+        back = (G_v @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold
+        sides = np.append(back[:, None] * at.slopes - G_v, np.zeros((3, 1)), axis=1)
         x = np.array([at.solves(side, True)[:-1] for side in sides])
-        duals = pull + np.array([linearised.by_traction(part) for part in x])
-        bent, left = linearised.pull(at.phi), linearised.by_traction(at.psi)
+        y = G_T + np.array([linearised.by_traction(each) for each in x])
+        bent, left = linearised.pull(at.phi), linearised.by_traction(at.psi)  # J phi and C^T psi
         speed = at.psi @ problem.direction
         states, bending = States([linearised], [state.T], self.first), Pulled(bent[None], self.first, self.contact)
         by = {}
-        for change, ((dT,), (rest,)) in zip(self.changes, self.parts([state]), strict=True):
-            load = -(np.sum(left * dT) + at.psi @ rest) / speed
-            (dJ,) = change.stiffness(states)
-            turned = np.sum(left * linearised.pull(at.phi, dJ))
+        for change, ((T_p,), (r_p,)) in zip(self.changes, self.by_parameters([state]), strict=True):
+            load = -(np.sum(left * T_p) + at.psi @ r_p) / speed
+            (J_p,) = change.stiffness(states)
+            turned = np.sum(left * linearised.pull(at.phi, J_p))  # <psi, R_vp phi>
             turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
-            moved = (duals * dT).sum(axis=(1, 2)) + x @ rest - back * turned
-            by[change.name] = np.array([load, *(moved + explicit(scene, outputs, change))])
+            dG = explicit(scene, outputs, change) + (y * T_p).sum(axis=(1, 2)) + x @ r_p - back * turned
+            by[change.name] = np.array([load, *dG])
         held = (problem.scale if self.held else 0.0) * self.pressure_nodes
-        nodes = -((left * state.T).sum(axis=0) - at.psi[-1] * held) / speed, (left * bent).sum(axis=0)
-        moved = (duals * state.T).sum(axis=1) - np.multiply.outer(x[:, -1], held) - np.multiply.outer(back, nodes[1])
+        load = -((left * state.T).sum(axis=0) - at.psi[-1] * held) / speed
+        dG = (y * state.T).sum(axis=1) - np.outer(x[:, -1], held) - np.outer(back, (left * bent).sum(axis=0))
         F_bar, L_bar, A_bar = outputs.tolist()
         event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
-        return _Fold(event, by, self._on_cell(np.vstack([nodes[0], moved])))
+        return _Fold(event, by, self._on_cell(np.vstack([load, dG])))
 
     def _on_cell(self, rows):
         """Derivatives (4, nodes) by the strength of every node, from those (4, m) of the patch."""

@@ -33,9 +33,7 @@ def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
     """The Branch without states whose neighbours describe the forces well enough."""
     while len(branch.states) > 2 * FEWEST:
         out, errors = _errors(scene, first, branch, 1)
-        out = out[
-            errors < 2.0 ** (ORDER - LIMIT) * ERROR
-        ]  # with a larger error, the others would have to be divided again
+        out = out[errors < 2.0 ** (ORDER - LIMIT) * ERROR]  # with a larger error, the others would be divided again
         if not out.size:
             break
         branch = branch.without(out)
