@@ -13,6 +13,7 @@ elsewhere a frame estimates that damping when asked.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,8 +44,8 @@ class RestOptions:
     # growth rates below -clear count as safely stable; none is below -0.5. 0.25 was too lax: on a soft layer (E = 10)
     # flutter began between two searches
     clear: float = 0.4
-    # units, times the margin: a state is accepted without a search while the growth is `clear` and no unknown has moved
-    # farther since the last one. Towards a fold, margin and movement shrink as the root of the distance in load
+    # units: no search while the last growth rate is clearly negative and no unknown has moved more than `far` times the
+    # margin since then. Towards a fold, margin and movement shrink as the root of the distance in load
     far: float = 0.8
 
 
@@ -156,6 +157,20 @@ def _of_waves(linearised, mu, shown, friction):
     return Mode(growth, fastest, linearised.seen(_largest_phase(x)))
 
 
+class _Pairs(NamedTuple):
+    """Ritz pairs (mu, vector) near zero, one of each complex pair."""
+
+    mu: np.ndarray  # (pairs,) GPa/nm
+    vectors: np.ndarray  # (rows, pairs)
+    residuals: np.ndarray  # (pairs, size)
+    depth: np.ndarray  # (pairs,) distance of mu from growing, GPa/nm
+    doubt: np.ndarray  # (pairs,) length of the residual over that distance
+    fastest: int  # index of the pair that grows fastest
+    growth: float  # 1/time, of that pair
+    error: float  # of this growth
+    nearest: np.ndarray  # (rows, kept) vectors nearest to growing, near zero or not
+
+
 class _Search:
     """A search for the fastest mode with |mu| < radius, GPa/nm: for its growth to `fine`, or only for its sign.
 
@@ -177,21 +192,18 @@ class _Search:
         other = self.linearised.noise  # without it, modes of another symmetry would be missed
         for _ in range(2):  # the second solve damps what does not grow
             other = self._respond(other)
-        most = self.rows + self.options.most
-        while True:
-            self._look()
+        most, pairs = self.rows + self.options.most, self._pairs()
+        while not self._known(pairs):
             rows = self.rows
-            if self._settled():
-                break
-            for aim in self._aims():
-                for part in _parts(self.residuals[aim]):
+            for aim in self._aims(pairs):
+                for part in _parts(pairs.residuals[aim]):
                     self._respond(part)
             if not rows < self.rows < most:
                 break
-        x = _largest_phase(self.vectors[:, self.fastest] @ self.v[:rows])
-        mu = complex(self.values[self.fastest])
-        basis, margin = self._carried(rows)
-        return Mode(self.growth, mu, self.linearised.seen(x), basis, v, margin)
+            pairs = self._pairs()
+        x = _largest_phase(pairs.vectors[:, pairs.fastest] @ self.v[: len(pairs.vectors)])
+        basis, margin = self._carried(pairs.nearest)
+        return Mode(pairs.growth, complex(pairs.mu[pairs.fastest]), self.linearised.seen(x), basis, v, margin)
 
     def _respond(self, force):
         """Add the response x to a force, (K - J)^-1 of it, and return it."""
@@ -208,46 +220,43 @@ class _Search:
             self.matrix[k, :k] = self.w[:k] @ self.v[k]
             self.rows += 1
 
-    def _look(self):
-        """The Ritz pairs near zero, one of each complex pair: their residuals and distances from growing.
-
-        Near zero are those with |mu| < radius or Re mu > 0, and where the contact is stiff everywhere, the smallest.
-        """
+    def _pairs(self):
+        """The Ritz pairs with |mu| < radius or Re mu > 0 and, where the contact is stiff everywhere, the smallest."""
         n, friction = self.rows, self.friction
-        values, vectors = np.linalg.eig(self.matrix[:n, :n])
-        upper = np.flatnonzero(values.imag >= 0.0)
-        upper = upper[np.argsort(inside(values[upper], friction))]
-        values, self.all_vectors = values[upper], vectors[:, upper]
-        near = (np.abs(values) <= max(self.radius, np.abs(values).min())) | (values.real > 0.0)
-        self.values, self.vectors = values[near], self.all_vectors[:, near]
-        rates, self.depth = rate(self.values, friction), inside(self.values, friction)
-        self.residuals = self.vectors.T @ self.w[:n] - (self.vectors * self.values).T @ self.v[:n]
-        miss = np.sqrt((np.abs(self.residuals) ** 2).sum(axis=1))
-        # of modes that grow alike to round-off, the one nearest to zero
-        self.fastest = int(np.argmax(rates - ROUND_OFF * np.abs(self.values)))
-        self.growth = float(rates[self.fastest])
-        self.error = _error(miss[self.fastest], self.values[self.fastest], friction)
-        doubt = miss / np.maximum(self.depth, TINY)
-        self.worst = int(np.argmax(doubt))
-        self.sure = doubt[self.worst] < self.options.sure
+        mu, vectors = np.linalg.eig(self.matrix[:n, :n])
+        upper = np.flatnonzero(mu.imag >= 0.0)
+        upper = upper[np.argsort(inside(mu[upper], friction))]
+        mu, vectors = mu[upper], vectors[:, upper]
+        nearest, near = vectors[:, : self.options.kept], np.abs(mu) <= max(self.radius, np.abs(mu).min())
+        near |= mu.real > 0.0
+        mu, vectors = mu[near], vectors[:, near]
+        residuals = vectors.T @ self.w[:n] - (vectors * mu).T @ self.v[:n]
+        miss = np.sqrt((np.abs(residuals) ** 2).sum(axis=1))
+        rates, depth = rate(mu, friction), inside(mu, friction)
+        doubt = miss / np.maximum(depth, TINY)
+        fastest = int(np.argmax(rates - ROUND_OFF * np.abs(mu)))  # of equal ones, to round-off, the nearest to zero
+        error = _error(miss[fastest], mu[fastest], friction)
+        return _Pairs(mu, vectors, residuals, depth, doubt, fastest, float(rates[fastest]), error, nearest)
 
-    def _settled(self):
+    def _known(self, pairs):
         """Whether the growth is known well enough."""
-        clear = self.sure and self.growth < -self.options.clear * self.scale
-        decided = not self.fine and (self.sure or self.growth > self.error)
-        return clear or decided or self.error < self.options.fine * self.scale
+        sure = pairs.doubt.max() < self.options.sure
+        clear = sure and pairs.growth < -self.options.clear * self.scale
+        decided = not self.fine and (sure or pairs.growth > pairs.error)
+        return clear or decided or pairs.error < self.options.fine * self.scale
 
-    def _aims(self):
+    def _aims(self, pairs):
         """The pairs whose residuals extend the space."""
-        if self.sure or self.depth[self.fastest] <= 0.0:
-            return {self.fastest}
-        return {self.worst, self.fastest} if self.fine else {self.worst}
+        worst = int(np.argmax(pairs.doubt))
+        if pairs.doubt[worst] < self.options.sure or pairs.depth[pairs.fastest] <= 0.0:
+            return {pairs.fastest}
+        return {worst, pairs.fastest} if self.fine else {worst}
 
-    def _carried(self, n):
-        """(basis, margin), as of a Mode, of the modes nearest to growing."""
-        kept = self.options.kept
-        parts = [part for vector in self.all_vectors.T[:kept] for part in _parts(vector)]
-        basis = np.linalg.qr(np.array(parts[:kept]).T)[0].T
+    def _carried(self, nearest):
+        """(basis, margin), as of a Mode, from the vectors nearest to growing."""
+        n = len(nearest)
+        parts = [part for vector in nearest.T for part in _parts(vector)]
+        basis = np.linalg.qr(np.array(parts[: self.options.kept]).T)[0].T
         vectors, layered = basis @ self.v[:n], basis @ self.k[:n]
         onset = np.linalg.solve(vectors @ layered.T, basis @ self.matrix[:n, :n] @ basis.T)
         return tuple(zip(vectors, layered, strict=True)), -float(np.linalg.eigvals(onset).real.max())
