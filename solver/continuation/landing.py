@@ -39,8 +39,8 @@ HALF = Trial(2.0)  # over one barrier: half of the usual step
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
 # From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere
 FARTHER = Trial(nearer=0.2)
-# Where all nodes are alike: waves grow near the end of the branch. From the usual start, five times as far, one of 300
-# cells (tests/bench/landings.py) fell before they had grown; from nearer starts, four and twenty times, it lands alike.
+# Where all nodes are alike, waves must grow near the end of the branch. From the usual start, five times as far, one of
+# 300 cells (tests/bench/landings.py) fell before they had grown. From 4 and 20 times nearer it lands in the same state.
 DISTURBED = Trial(nearer=5.0, kick=1e-3)
 
 
@@ -81,7 +81,7 @@ def _finer(sites, stalled, options):
 
 
 def _tried(motion, problem, end, trial, options):
-    """The State in which a motion comes to rest; None where there is none, or where it wanders before."""
+    """The State in which a motion comes to rest; None where it does not, or where it wanders before."""
     try:
         state, _ = motion(trial)
     except NotConverged:
@@ -98,7 +98,7 @@ def _wandered(problem, end, state, options):
 
 
 def _same(problem, state, other, options):
-    """Whether two States are one equilibrium, which a branch may have moved between their loads, as in `slipped`."""
+    """Whether two States are one equilibrium. Between their loads the branch may have moved it, as in `slipped`."""
     if other is None:
         return False
     rise = abs(other.load - state.load)
