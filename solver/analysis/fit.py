@@ -26,7 +26,7 @@ APART = 0.99  # correlation beyond which parameters count as one: each has 7 tim
 VAGUE = 0.5  # standard error over value, beyond which a 95 % interval contains 0: the data do not determine it
 UNLIKELY = 5.0  # standard deviations of chi^2 above what noise makes, beyond which the curve does not fit
 FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
-ALIKE = 1.0  # standard deviations of a point, by which an exact run may differ from a continued one
+AGREES = 1.0  # standard deviations of a point, by which an exact run may differ from a continued one
 PERIODS = 0.25  # relative difference, beyond which slips go on by another number of sites
 STEPS = 30  # trials of one search, at most: one that converges takes some 6 (tests/bench/fit.py)
 # Searches: each optimum is compared with an exact run, and the next search starts there if it differs. One that has not
@@ -126,7 +126,7 @@ def _optimum(model, limit):
             trial = model.best
             x, exact = trial.x, model.exact(model.scene_of(trial.x))
             continued, trial = trial, model.trial(x, exact)
-            if np.abs(trial.residuals - continued.residuals).max() < ALIKE:
+            if np.abs(trial.residuals - continued.residuals).max() < AGREES:
                 return Optimum(model, trial)
             model.restart(exact)
     except NO_RUN as error:

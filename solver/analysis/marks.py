@@ -21,7 +21,7 @@ FACTOR = 1.25  # largest ratio of two successive values
 PART = 0.6  # largest step, as a part of the distance to the predicted end of slips: beyond it slips get lost
 CLOSE = 0.1  # relative distance: the prediction is accepted if it repeats this near, or following stops
 LEAST = 0.03  # smallest relative step: shorter ones take too long
-MOST = 20  # steps on the way to L = 0, at most
+SECANT_STEPS = 20  # steps on the way to L = 0, at most
 ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 
@@ -45,7 +45,7 @@ def of_flat(scene: Scene, name: str) -> tuple[tuple[float, str], ...]:
 def _no_load(skeleton):
     """delta_bar at which the contact carries no load before shear; None if following ends before it."""
     here, loads = _at_rest(skeleton), []
-    for _ in range(MOST):
+    for _ in range(SECANT_STEPS):
         loads.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
         at, L = loads[-1]
         if abs(L) <= NO_LOAD * max(abs(load) for _, load in loads):

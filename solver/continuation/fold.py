@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .inverse import MOST, NotSolved, Solves
+from .inverse import PRODUCTS, NotSolved, Solves
 from .problem import Problem
 from .state import TINY, End
 
@@ -29,7 +29,7 @@ class FoldOptions:
     longest: float = 0.3  # units, of one step; from longer ones punches reached the folds of other branches
     farthest: float = 1.5  # units from the guess: beyond, it is another fold
     steps: int = 15  # most Newton steps; folds that exist took 10 at most in the slider box
-    products: int = MOST  # most products of iterative solves with one matrix, before it is factorised
+    products: int = PRODUCTS  # most products of iterative solves with one matrix, before it is factorised
 
 
 class Bordered:

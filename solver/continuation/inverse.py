@@ -9,7 +9,9 @@ from scipy.linalg import lu_factor, lu_solve
 from .anderson import dot
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
-MOST = 240  # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
+PRODUCTS = (
+    240  # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
+)
 # of the accuracy asked for, up to which an iterated solve serves: a digit is worth less than factors. 5 and 20 change
 # no run of tests/bench/constants.py
 LAX = 10.0
@@ -20,7 +22,7 @@ DEPENDENT = 1e-10
 class Inverse:
     """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
 
-    def __init__(self, product: Callable, size: int, most: int = MOST):
+    def __init__(self, product: Callable, size: int, most: int = PRODUCTS):
         """product: w -> A w; most: products in all solves."""
         self.product, self.size, self.rows = product, size, 0
         self._z, self._q = np.empty((2, most, size))  # memory is taken only by rows that are written
@@ -53,7 +55,7 @@ class Solves:
     Iterations keep their products for the next solve; where they do not converge, LAPACK factorises M.
     """
 
-    def __init__(self, linearised, column=None, row=None, accuracy=ACCURACY, most=MOST):
+    def __init__(self, linearised, column=None, row=None, accuracy=ACCURACY, most=PRODUCTS):
         """accuracy: of x, |M x - f| over |f|; most: iterations for all solves of one kind."""
         self.linearised, self.column, self.row, self._lu = linearised, column, row, None
         self.accuracy, self._most, self._by_iterations = accuracy, most, {}

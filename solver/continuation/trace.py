@@ -21,7 +21,7 @@ from .state import TINY, End, Increment, Point, State
 SAME = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
 STENCIL = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
 NEAR = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
-MOST = 128  # states of a Trace: a period of four sites has 100; with 64, such runs take half as many evaluations more
+STATES = 128  # states of a Trace: a period of four sites has 100; with 64, such runs take half as many evaluations more
 FEWEST = 2 * STENCIL  # states of a branch that is thinned: half of fewer would not do for interpolation
 
 
@@ -204,9 +204,9 @@ class Trace:
         return replace(self, branches=(*self.branches[:k], new, *self.branches[k + 1 :]))
 
     def bounded(self) -> "Trace":
-        """With at most MOST states: the longest branch is thinned, or if all are short, the first one left out."""
+        """With at most STATES states: the longest branch is thinned, or if all are short, the first one left out."""
         trace = self
-        while sum(len(branch.states) for branch in trace.branches) > MOST:
+        while sum(len(branch.states) for branch in trace.branches) > STATES:
             longest = max(trace.branches, key=lambda branch: len(branch.states))
             if len(longest.states) >= FEWEST:
                 trace = trace._with(longest, longest.thinned(len(longest.states) - 1))

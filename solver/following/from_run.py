@@ -16,7 +16,7 @@ from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
 SAME = 1e-4  # nm: ends of branches that are nearer are the same end
-MOST = 12  # branches of a skeleton; nearly all sliding runs repeat themselves after three
+BRANCHES = 12  # branches of a skeleton; nearly all sliding runs repeat themselves after three
 FEWEST = 3  # states of a branch; others cannot be interpolated from fewer
 OFF = 1e-3  # of the largest force: error at the states of the run that followed runs promise to stay below
 MINOR = 0.1  # of the larger force: the least scale for errors of the smaller one, which may be held at nearly nothing
@@ -81,8 +81,8 @@ def _guess(scene, first, trace: Trace):
         branches, home = _longest(branches, home, trace.period, m)
     elif branches[-1].end < scene.u_x_max - scene.du_x * scene.delta_t:
         raise NotFollowed("the run has not come to where it repeats itself")
-    if len(branches) > MOST:
-        raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {MOST} are followed")
+    if len(branches) > BRANCHES:
+        raise NotFollowed(f"{len(branches)} branches until the run repeats itself, at most {BRANCHES} are followed")
     made = tuple(_branch(scene, first, branch) for branch in branches)
     lost = any(slip.kind != "fold" for slip in trace.jumps)
     described = Trace(made, home, trace.period, () if lost else trace.jumps)

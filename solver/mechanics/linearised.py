@@ -13,7 +13,7 @@ from ..continuation.state import TINY
 from .cohesive_law import add_product, alike
 from .flutter import safe_friction
 
-MOST = 1200  # nodes up to which a tangent is formed; for more, iterative solves take less time
+FORMED = 1200  # nodes up to which a tangent is formed; for more, iterative solves take less time
 LEVEL = 1e-2  # sum of heights of a disturbance, over that of its displacements along x, below which it only tilts
 BESIDE = 1e-3  # units along a disturbance, for the change of J: the error is the square, round-off 1e-13
 
@@ -89,8 +89,8 @@ class Linearised:
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
     def matrix(self) -> np.ndarray | None:
-        """dR/dv, dense; None of more than MOST nodes."""
-        if self.m > MOST:
+        """dR/dv, dense; None of more than FORMED nodes."""
+        if self.m > FORMED:
             return None
         out = np.empty((2 * self.m,) * 2)
         _fill(self.contact.modes.kernels, self.J, out)

@@ -24,7 +24,7 @@ SMALL = {"nodes": 512, "width": 1250.0, "radius": 5.0, "u_x_max": 20.0}
 PLAIN = {  # constants outside of records, and the modules that have imported them
     "REGULARISATION": [anderson], "FORGET": [anderson], "MOVED": [state, branch],
     "FREE": [loadpath],
-    "ALIKE": [equilibrium], "LAX": [inverse], "DEPENDENT": [inverse], "LEAST": [onset],
+    "NODES_ALIKE": [equilibrium], "LAX": [inverse], "DEPENDENT": [inverse], "LEAST": [onset],
 }  # fmt: skip
 
 

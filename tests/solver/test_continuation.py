@@ -18,7 +18,7 @@ from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import advanced
 from solver.continuation.state import End, NotConverged, Point
-from solver.continuation.trace import MOST, Branch, Trace, lagrange
+from solver.continuation.trace import STATES, Branch, Trace, lagrange
 
 A, PERIOD = 1.0, 2.4
 Q = 2.0 * np.pi / PERIOD
@@ -564,7 +564,7 @@ def test_the_memory_of_5000_increments_is_bounded(amplitude, slips):
     toy, loads = aperiodic(amplitude), np.arange(1, 5001) * 0.001
     done, trace = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads, spacing=60.0)
     assert not trace.period and bool(slips_of(done)) == slips
-    assert 0.5 * MOST < sum(len(branch.states) for branch in trace.branches) <= MOST
+    assert 0.5 * STATES < sum(len(branch.states) for branch in trace.branches) <= STATES
     newest = trace.branches[-1]
     there = [d.state for d in done if newest.start < d.state.load < newest.end]
     assert len(there) > len(newest.states)
