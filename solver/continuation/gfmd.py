@@ -4,7 +4,6 @@ The reference method. Modes of equal mass move by explicit Verlet steps from the
 until max |U + C T(u) - u| is below the tolerance.
 """
 
-from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
@@ -12,23 +11,15 @@ import numpy as np
 from .motion import Creep, ExplicitMotion
 from .state import End, Increment, NotConverged, State, slipped
 
-
-@dataclass(frozen=True)
-class GfmdOptions:
-    """How long the motion of an increment may take."""
-
-    check: int = 20  # steps between two evaluations of the residual, which so adds 5 % to the cost
-    budget: int = 1_000_000  # most steps of an increment, of some 20 us each; a slip of the default takes 3,500
-
-
-GFMD = GfmdOptions()
+CHECK = 20  # steps between two evaluations of the residual, which so adds 5 % to the cost
+BUDGET = 1_000_000  # most steps of an increment, of some 20 us each; a slip of the default takes 3,500
 
 
 class Gfmd:
     """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    def __init__(self, problem, damping, closed, options: GfmdOptions = GFMD):
-        self.problem, self.damping, self.closed, self.options = problem, damping, closed, options
+    def __init__(self, problem, damping, closed, budget=BUDGET):
+        self.problem, self.damping, self.closed, self.budget = problem, damping, closed, budget
 
     def increment(self, state, target) -> Increment:
         """The Increment in which the motion from `state` comes to rest at load `target`, nm; raises NotConverged."""
@@ -40,11 +31,10 @@ class Gfmd:
     def _moved(self, v, load, target):
         """(v, residual) at rest under load `target`, from rest at `load`."""
         problem, dynamics, r = self.problem, self.problem.motion(), np.empty(self.problem.size)
-        options = self.options
         motion = self._motion(dynamics, dynamics.start(v, load), target)
-        for _ in range(0, options.budget, options.check):
+        for _ in range(0, self.budget, CHECK):
             motion.soften(self._stiffness(dynamics, v))
-            motion.advance(options.check)
+            motion.advance(CHECK)
             v = dynamics.unknowns(motion.y)
             residual = problem.residual(v, target, r)
             if residual <= problem.tolerance:
@@ -52,7 +42,7 @@ class Gfmd:
             problem.hold(v, target)
             if not isfinite(residual):
                 raise NotConverged(f"the damped motion diverges, residual {residual:.2g} nm")
-        raise NotConverged(f"residual {residual:.2g} nm after {options.budget} steps of damped motion")
+        raise NotConverged(f"residual {residual:.2g} nm after {self.budget} steps of damped motion")
 
     def _motion(self, dynamics, y, load):
         return (ExplicitMotion if isfinite(self.damping) else Creep)(dynamics, y, load, self.damping, self.closed)

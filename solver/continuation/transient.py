@@ -88,24 +88,21 @@ class Transient:
     """One motion to rest, with the steps and the start of a Trial.
 
     Attributes: load, v: the present state; ahead: its change since the last check; starting: whether it is still near
-    the end of the branch; landing, near: bounds of residual and swing below which Anderson steps are tried, nm.
+    the end of the branch; pace: factor of the usual steps; sharper: factor of the bounds below which Anderson steps are
+    tried.
     """
 
     def __init__(self, problem, end, trial, judge, damping, closed, options: TransientOptions = TRANSIENT):
-        self.problem, self.judge, self.damping, self.end, self.closed = problem, judge, damping, end, closed
-        self.unit, self.mode, self.options = problem.unit, None, options
-        self.finer, self._crawl = trial.finer, 1.0  # divisor of the usual steps; their factor without inertia
+        self.problem, self.judge, self.damping, self.end, self.options = problem, judge, damping, end, options
+        self.unit, self.trial, self.mode, self.sharper = problem.unit, trial, None, 1.0
         self.away = options.start * self.unit * end.phi
         self.load, self.v = end.load, end.v + self.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
-        self.dynamics = problem.motion()
-        y = self.dynamics.start(self.v, self.load)
-        self.motion = motion_of(self.dynamics, y, self.load, damping, closed, options.motion)
-        self.ahead, self._r = np.zeros(problem.size), np.empty(problem.size)
-        self.landing, self.near = options.landing * self.unit, options.near * self.unit / trial.nearer**2
-        self.starting, self.steps, self.elapsed = end.located, 0, 0.0
-        self._slow = trial.finer == 1.0  # whether the usual steps are lengthened by `slow`
+        y = problem.motion().start(self.v, self.load)
+        self.motion = motion_of(problem.motion(), y, self.load, damping, closed, options.motion)
+        self.pace = options.slow if isfinite(damping) and trial.finer == 1.0 else 1.0
+        self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
         self._speeds, self._stalls = (0.0, 0.0), list[np.ndarray]()  # nm per time, at the last two checks
 
     def to_rest(self) -> tuple[State, bool]:
@@ -115,27 +112,29 @@ class Transient:
         """
         while True:
             self._advance()
-            bound = self.near if self.starting else self.landing
+            near = self.options.near / self.trial.nearer**2
+            bound = self.sharper * self.unit * (near if self.starting else self.options.landing)
             unrest = self._unrest(bound)
             if unrest < bound:
                 state = self._rest_near()
                 if state is not None and not self._returned(state.v):
                     return state, self._stalled(state)
-                self.landing, self.near = self.options.later * self.landing, self.options.later * self.near
+                self.sharper *= self.options.later
             returned = self.starting and unrest < self.problem.tolerance
             if returned or self._restless():
                 self._raise_load(returned)
 
     def _advance(self):
         """Make some time steps, adapted to the stiffness here and where the state is about to be."""
-        dynamics, motion, options = self.dynamics, self.motion, self.options
+        motion, options, dynamics = self.motion, self.options, self.motion.dynamics
         # surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(self.v), dynamics.interface(self.v + self.ahead))
-        if not stiffness < options.diverged * self.closed:
+        if not stiffness < options.diverged * motion.closed:
             raise TooLong("the motion diverges")
         if self.steps > options.budget:
             raise NotConverged(f"still moving, residual {self._residual():.2g} nm, after {options.budget} steps")
-        motion.soften(stiffness, self._pace() / self.finer)
+        self._set_pace()
+        motion.soften(stiffness, self.pace / self.trial.finer)
         motion.advance(options.steps)
         self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
         before, self.v = self.v, dynamics.unknowns(motion.y)
@@ -158,27 +157,26 @@ class Transient:
         far = self.options.stalled * self.unit
         return len(self._stalls) == self.options.stalls or any(np.abs(v - state.v).max() > far for v in self._stalls)
 
-    def _pace(self):
-        """The factor of the usual steps until the next check; without inertia, steps may adapt to the speed."""
+    def _set_pace(self):
+        """Set the factor of the usual steps until the next check; without inertia, they may adapt to the speed."""
         options, moved = self.options, np.abs(self.ahead).max() / self.unit
         slowly = moved < 0.25 * options.crawl
         if isfinite(self.damping):
-            slowly = slowly or self.end.kind == "flutter"
-            self._slow = self._slow and self.starting and slowly  # for good: changes of the steps add energy
-            return options.slow if self._slow else 1.0
-        if moved > options.crawl:
-            self._crawl = max(0.5 * self._crawl, 1.0)
+            if not self.starting or not (slowly or self.end.kind == "flutter"):
+                self.pace = 1.0  # for good: changes of the steps add energy
+        elif moved > options.crawl:
+            self.pace = max(0.5 * self.pace, 1.0)
         elif slowly and self.steps:
-            self._crawl = min(2.0 * self._crawl, options.crawl_longest)
-        return self._crawl
+            self.pace = min(2.0 * self.pace, options.crawl_longest)
 
     def _unrest(self, bound):
         """The larger of swing and residual, nm; the swing alone, which needs no force evaluation, beyond a bound."""
-        swing = float(np.abs(self.dynamics.unknowns(self.motion.y + self.motion.swing()) - self.v).max())
+        swung = self.motion.dynamics.unknowns(self.motion.y + self.motion.swing())
+        swing = float(np.abs(swung - self.v).max())
         return swing if not swing < bound else max(swing, self._residual())
 
     def _residual(self):
-        return self.problem.residual(self.v, self.load, self._r)
+        return self.problem.residual(self.v, self.load, np.empty(self.v.size))
 
     def _near_end(self, v):
         """Whether v is still close to the end of the branch."""
@@ -209,7 +207,7 @@ class Transient:
         if not isfinite(self.damping):
             return self.steps > 10 * self.options.least
         slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
-        period = 4.0 * np.pi / (self.dynamics.critical * slow)
+        period = 4.0 * np.pi / (self.motion.dynamics.critical * slow)
         # from an unstable state the surface falls as exp(growth t)
         patience = self.options.patience * (period + 1.0 / self.end.growth)
         return self.steps > self.options.least and self.elapsed > patience
@@ -219,12 +217,11 @@ class Transient:
 
         Finer steps raise it as slowly as the usual ones. Raises TooLong or Restless where that does not help.
         """
-        if not returned and self.finer < 4 and self.end.kind != "flutter":
+        if not returned and self.trial.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
         options, most = self.options, self.options.raised_most * self.unit
         share = min(max(0.1 * most, options.raised * (self.load - self.end.load)), most)
-        self.load += share / self.finer
+        self.load += share / self.trial.finer
         if self.load > self.end.load + options.farthest * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
-        self.landing = options.landing * self.unit
-        self.motion.load = self.load
+        self.sharper, self.motion.load = 1.0, self.load

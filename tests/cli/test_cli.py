@@ -36,7 +36,7 @@ from solver import (
 from solver.cli import run
 from solver.cli.main import CLOSED_PIPE, CompilingNotice
 from solver.cli.options import scene_of
-from solver.continuation.gfmd import Gfmd, GfmdOptions
+from solver.continuation.gfmd import Gfmd
 from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
 from solver.scene import CHOICES, PARAMETERS
@@ -357,7 +357,7 @@ def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_fram
 
 
 def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
-    monkeypatch.setitem(METHODS, "gfmd", partial(Gfmd, options=GfmdOptions(budget=100)))
+    monkeypatch.setitem(METHODS, "gfmd", partial(Gfmd, budget=100))
     code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
     assert (code, err.count("\n")) == (1, 1)
     assert re.search("(delta|U_x) = .* nm: residual .* try ", err)
