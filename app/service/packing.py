@@ -7,7 +7,6 @@ import json
 import struct
 import zlib
 from dataclasses import dataclass, replace
-from itertools import groupby
 from math import e, hypot
 from typing import Any
 
@@ -37,7 +36,7 @@ LARGEST = ("residual", "widest", "overlap", "safe_damping", "sensitive")  # of F
 
 @dataclass(frozen=True)
 class Frames:
-    """Packed frames of a run, bytes, one block per patch; their number, and the sums over them."""
+    """Packed frames of a run, bytes, one block per part of it; their number, and the sums over them."""
 
     blocks: tuple = ()
     frames: int = 0
@@ -59,21 +58,20 @@ class Frames:
 
 
 def packed(scene: Scene, rows: Any, done: bool) -> tuple[bytes, ...]:
-    """Blocks of rows (frame, work), a tuple, cut where the patch changes, so that every block is a rectangle."""
+    """The block of rows (frame, work), a tuple; an empty one without rows."""
     if scene.surface == "flat":
         rows = [(middle(scene, frame), work) for frame, work in rows]
-    blocks = [list(block) for _, block in groupby(rows, lambda row: (row[0].first, row[0].u.shape[1]))]
-    return tuple(pack(scene, block, done and block is blocks[-1]) for block in blocks)
+    return (pack(scene, rows, done),) if rows else ()
 
 
 def pack(scene: Scene, rows: Any, last: bool) -> bytes:
-    """Bytes of rows (frame, work) of one patch: uint32 length, JSON header of `arrays`, and these, `compressed`."""
+    """Bytes of rows (frame, work): uint32 length, JSON header of `arrays`, and these, `compressed`."""
     head, columns, fields = arrays(scene, rows, last)
     return headed(head, compressed(columns, fields))
 
 
 def arrays(scene: Scene, rows: Any, last: bool) -> tuple[dict[str, Any], NDArray[np.float32], NDArray[np.int16]]:
-    """Return (header, float32 COLUMNS (c, n), int16 FIELDS (4, n, m)) of rows (frame, work) of one patch.
+    """Return (header, float32 COLUMNS (c, n), int16 FIELDS (4, n, m)) of rows (frame, work).
 
     scene: of all these frames. The header has its parameters, and names the columns, and the fields with their scales,
     in the order in which they follow.
