@@ -1,6 +1,7 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from math import ceil, e, floor, hypot, inf, pi, sqrt
 from sys import float_info
@@ -224,7 +225,7 @@ class Scene:
             and all(leg.increments for leg in legs)
         )
 
-    @property
+    @cached_property
     def legs(self) -> tuple[Leg, ...]:
         """The straight lines of path 'points'; empty on another path."""
         if self.path != "points":
