@@ -17,7 +17,7 @@ def test_axe_reports_no_violation_on_the_page_and_in_the_drawer(look):
     page = look("?theme=light&E=7000")  # with a note
     finished(page)
     assert not found_by_axe(page)
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     page.fill("#nodes-entry", "3")
     page.keyboard.press("Enter")
     page.locator("#nodes-error").wait_for(state="visible")
@@ -91,7 +91,7 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
 
 @pytest.mark.thorough
 def test_escape_closes_the_menu_and_space_ticks_its_checkbox(look):
-    page = look("?view=hero")
+    page = look()
     finished(page)
     page.click("#menu")
     page.focus("#lens-on")
@@ -171,7 +171,7 @@ def test_tab_key_reaches_visible_named_controls_in_order_without_a_trap(visit):
         raise AssertionError("the tab key does not leave the page")
     assert 25 < len(stops) < 60
     assert not [stop for stop in stops if not (stop["name"] and stop["ring"] >= 2)]
-    wanted = ["preset", "tour", "menu", "projector", "theme", "delta_bar", "lens", "play", "scrub"]
+    wanted = ["preset", "tour", "more", "menu", "delta_bar", "lens", "play", "scrub"]
     found = [stop["id"] for stop in stops if stop["id"] in wanted]
     assert found == wanted  # in the order of the page
     page.keyboard.press("Shift+Tab")
@@ -193,7 +193,7 @@ def test_the_whole_page_works_with_the_keyboard_alone(visit):
     choose("open-theory")
     page.locator("#theory math").first.wait_for()
     press("Escape")
-    choose("more")
+    choose("parameters")
     page.get_by_label("Find a parameter").wait_for()
     press("Escape")
     page.wait_for_function("document.activeElement.id === 'menu'")

@@ -119,11 +119,6 @@ def test_drawn_data_of_a_part_can_be_read_back(still):
     assert still.evaluate("bokeh.drawnBy(parts.forces.cursor)") is None
 
 
-def test_stretch_of_a_figure_on_screen_is_known(still):
-    assert still.evaluate("bokeh.stretch(figures.punch)") > 1
-    assert still.evaluate("bokeh.stretch(undefined)") is None
-
-
 def test_frame_of_a_figure_lies_within_its_element(still):
     box = still.evaluate("bokeh.frameBox(figures.punch)")
     view = still.locator("#punch-view").bounding_box()

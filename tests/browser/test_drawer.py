@@ -13,7 +13,7 @@ def test_views_make_room_for_the_parameter_drawer(look, size):
     page = look()
     page.set_viewport_size({"width": size[0], "height": size[1]})
     finished(page)
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     drawer = page.get_by_role("dialog", name="Parameters")
     drawer.wait_for()
     laid_out(page)
@@ -32,7 +32,7 @@ def test_views_make_room_for_the_parameter_drawer(look, size):
 def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
     page = look(f"?surface=rough&{QUICK}")
     finished(page)
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     shown = lambda name: page.locator(f"#{name}-entry").is_visible()  # noqa: E731
     page.locator("#hurst-entry").wait_for()
     assert shown("u_x_max") and not shown("radius") and not shown("amplitude")
@@ -55,7 +55,7 @@ def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
 def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(look):
     page = look()
     finished(page)
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     page.select_option("#surface-entry", "measured")
     page.locator("#surface-error").wait_for(timeout=PATIENCE)
     assert page.input_value("#surface-entry") == "circular"

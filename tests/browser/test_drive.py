@@ -20,7 +20,7 @@ def frames():
 
 def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames):
     """Top and stage of every increment are those of the solver, in the picture and in the CSV."""
-    page = look("?preset=soft-drive&view=lab")
+    page = look("?preset=soft-drive&more=1")
     finished(page)
     tops = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.top(k)).slice(punch.run.sheared)")
     assert tops == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
@@ -43,7 +43,7 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
 
 @pytest.mark.thorough
 def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(look):
-    page = look("?u_x_max=2&view=lab")
+    page = look("?u_x_max=2&more=1")
     finished(page)
     assert not page.evaluate("punch.run.driven")
     assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
@@ -51,12 +51,12 @@ def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(lo
 
 @pytest.mark.thorough
 def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
-    page = look("?drive_t=4&u_x_max=3&view=lab")
+    page = look("?drive_t=4&u_x_max=3&more=1")
     finished(page)
     assert "drive_t=4" in page.url
     entered = page.evaluate("punch.status.values")
     assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     page.locator("#drive_t-entry").fill("0")
     page.keyboard.press("Enter")
     page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)
@@ -68,7 +68,7 @@ def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
 
 @pytest.mark.thorough
 def test_tour_question_on_a_soft_drive_matches_the_solver(look):
-    page = look("?view=hero")
+    page = look("?more=0")
     imported(page, "tour").evaluate("modules.tour.openTour(7)")
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
     page.evaluate("punch.speed = 40")

@@ -21,7 +21,7 @@ def test_clicking_a_term_shows_its_explanation(look):
 
 
 def test_a_term_in_a_caption_explains_and_its_heading_enlarges_the_plot(look):
-    page = look("?view=hero")
+    page = look()
     term = page.locator(".area figcaption .term").first
     if term.is_hidden():
         page.locator("#chosen label", has_text="Contact area").click()

@@ -73,7 +73,7 @@ def test_undo_after_reset_restores_the_parameter_that_was_changed_last(visit):
 def test_undo_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
     page.set_input_files("#profile", tmp_path / "wave.csv")
     values_are(page, surface="measured")

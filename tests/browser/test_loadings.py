@@ -113,7 +113,7 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
 def test_an_uploaded_profile_is_used_and_an_invalid_one_keeps_the_run(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")
     page.set_input_files("#profile", tmp_path / "bad.csv")
     page.wait_for_function(

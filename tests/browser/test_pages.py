@@ -33,7 +33,7 @@ WITHOUT = {  # page: why its plots have no numbers at once
 def opened(request, shared_tab):
     """(name, tab): each page once, drawn, for all tests that look at it."""
     name = request.param
-    page = shared_tab.show(f"?view=hero&page={name}&{TINY if name == 'regimes' else QUICK}")
+    page = shared_tab.show(f"?more=0&page={name}&{TINY if name == 'regimes' else QUICK}")
     page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
     yield name, page
     shared_tab.check()
@@ -105,7 +105,7 @@ def test_every_plot_of_a_page_can_be_read_as_a_table(opened):
         return
     assert figures.count() > 0
     page.set_viewport_size({"width": 1280, "height": 900})
-    page.locator("#tools").evaluate("(button) => button.click()")
+    page.locator("#more").evaluate("(button) => button.click()")
     for i in range(figures.count()):
         button = figures.nth(i).get_by_role("button", name="as a table")
         button.click()
@@ -116,7 +116,7 @@ def test_every_plot_of_a_page_can_be_read_as_a_table(opened):
         assert page.locator("#table th").count() == len(cells) and page.locator("#table-title").inner_text()
         page.keyboard.press("Escape")
         page.locator("#table").wait_for(state="hidden")
-    page.locator("#tools").evaluate("(button) => button.click()")
+    page.locator("#more").evaluate("(button) => button.click()")
 
 
 @thorough

@@ -1,7 +1,7 @@
 """Projector mode: large text and lines, the punch and one curve."""
 
 import pytest
-from served import finished
+from served import finished, from_menu
 
 pytestmark = [pytest.mark.thorough]
 MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
@@ -18,10 +18,10 @@ def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look
     assert "view=projector" in page.url
     assert page.evaluate(FONT) == "19px" and page.evaluate(WIDTH) >= 2 * thin
     assert page.locator("main figure:visible").count() == 2  # the punch and one curve
-    page.get_by_role("button", name="Projector").click()
-    assert "view=lab" in page.url
+    from_menu(page, "#projector")
+    assert "view=projector" not in page.url and "more=1" in page.url
     assert page.evaluate(FONT) == "13px" and page.evaluate(WIDTH) == thin
-    assert page.locator("main figure:visible").count() > 2  # with the tools, as before
+    assert page.locator("main figure:visible").count() > 2  # with more in sight, as before
 
 
 @pytest.mark.thorough

@@ -186,7 +186,7 @@ def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(lo
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)
     (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
-    from_menu(page, "#more")
+    from_menu(page, "#parameters")
     page.set_input_files("#profile", tmp_path / "wave.csv")
     finished(page, run=2)
     page.locator("#drawer").get_by_role("button", name="Close").click()

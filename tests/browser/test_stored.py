@@ -82,7 +82,7 @@ def test_a_stored_run_named_by_a_link_plays_from_its_beginning(held_back, browse
         }
         look()
     })()""")
-    page.goto(f"{server.address}?view=hero&preset=unload")
+    page.goto(f"{server.address}?more=0&preset=unload")
     page.wait_for_function("window.first !== undefined", timeout=PATIENCE)
     assert page.evaluate("first") < 0.5
     page.close()
@@ -92,7 +92,7 @@ def test_a_stored_run_named_by_a_link_plays_from_its_beginning(held_back, browse
 @pytest.mark.slow
 def test_a_stored_run_plays_without_workers_and_without_the_server(held_back):
     server, tabs = held_back
-    page = tabs.open("?view=hero", **PLAYING)
+    page = tabs.open(**PLAYING)
     page.wait_for_function(
         "window.punch?.run?.stored && punch.drawn > punch.run.sheared && punch.status.state === 'warming'"
     )
@@ -151,7 +151,7 @@ def test_figures_and_play_are_disabled_until_a_run_is_on_screen(server, browser)
     page = browser.new_page(reduced_motion="reduce")
     stored_runs, computed = [], HeldBack(page)
     page.route("**/static/runs/**", lambda route: stored_runs.append(route))
-    page.goto(server.address)
+    page.goto(f"{server.address}?more=1")
     page.wait_for_function(
         "document.getElementById('status').dataset.state === 'opening' && window.punch", timeout=PATIENCE
     )

@@ -1,5 +1,7 @@
 """The picture of the punch in Chromium: lens, dragging, slow motion."""
 
+import re
+
 import pytest
 from served import MODEL, finished, laid_out
 
@@ -11,7 +13,7 @@ LEAN = f"""() => {{
     const {{ first, spacing, middle }} = run.headOf(k), i = x.length >> 1, from = (first + i) * spacing - middle
     const {{ data }} = punch.renderers.find(({{ name }}) => name === 'punch.surface').data_source
     const drawn = (data.get?.('x') ?? data.x)[i]
-    return [Math.round((drawn - from) / (x[i] - from) * 100) / 100, punch.left[0].axis_label]
+    return Math.round((drawn - from) / (x[i] - from) * 100) / 100
 }}"""
 OWN = "?preset=fig6&theme=light"  # of the two tests that leave the page changed
 
@@ -41,14 +43,16 @@ def test_a_flat_shows_no_lens(look):
     assert page.locator("#lens").is_hidden()
 
 
-def test_lean_is_exaggerated_as_labelled_and_to_scale_with_tools(look):
-    page = look("?view=hero")
+def test_the_picture_states_once_and_in_words_how_much_it_enlarges_lean_height_and_lens(look):
+    page = look()
     finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1")
-    times, title = page.evaluate(LEAN)
-    assert times == 3 and "sideways ×3" in title
-    page.keyboard.press("l")
-    page.wait_for_function(f"({LEAN})()[0] === 1 && !({LEAN})()[1].includes('sideways')")
+    assert page.evaluate(LEAN) == 3 and "×" not in page.evaluate(f"{MODEL.format('punch')}.left[0].axis_label")
+    page.locator("#solver-figures").click()
+    page.locator("#scales", has_text="displacements sideways 3 times as large").wait_for()
+    said = page.inner_text("#scales")
+    assert re.search(r"shows heights \d+ times", said) and re.search(r"magnifies \d+(.\d)? times", said)
+    page.keyboard.press("Escape")
 
 
 def test_lens_shows_the_trailing_edge_until_it_is_moved(look):
@@ -230,8 +234,7 @@ OVER_EACH_OTHER = """() => {
         }
         const lens = place('lens'), x = lens.left + lens.width / 2 - left, y = lens.top + lens.height / 2 - top
         const apart = Math.hypot(x - Math.max(a.left, Math.min(x, a.right)), y - Math.max(a.top, Math.min(y, a.bottom)))
-        const within = a.text[0] === '×' // what it magnifies
-        if (apart < lens.width / 2 - 1 && !within) found.push(`${a.text} and the lens`)
+        if (apart < lens.width / 2 - 1) found.push(`${a.text} and the lens`)
     })
     return found
 }"""

@@ -16,7 +16,7 @@ def asked(page):
 
 
 def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(look):
-    page = opened(look("?view=hero"), 2)
+    page = opened(look("?more=0"), 2)
     asked(page)
     assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
     page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
@@ -44,7 +44,7 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(look):
 
 @pytest.mark.thorough
 def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
-    page = visit("?tour=2&view=hero")
+    page = visit("?tour=2&more=0")
     asked(page)
     assert "tour=" not in page.url  # a link from here does not open the tour
     page.evaluate("punch.speed = 40")
@@ -67,7 +67,7 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
 @pytest.mark.parametrize("stop", [2, 6, 7])
 def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
     """A second order for its values showed another scene in between, at worst the answer."""
-    page = look("?view=hero")
+    page = look("?more=0")
     page.evaluate(
         """() => {
             const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
@@ -81,7 +81,7 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
 
 @pytest.mark.thorough
 def test_browser_back_ends_the_tour(visit):
-    page = visit("?E=100&view=hero")
+    page = visit("?E=100&more=0")
     page.wait_for_function("window.punch?.status.state === 'finished'")
     page.evaluate("history.pushState({ entry: 1 }, '', location.href)")
     page.locator("#tour").click()
@@ -92,7 +92,7 @@ def test_browser_back_ends_the_tour(visit):
 
 @pytest.mark.thorough
 def test_tour_stop_without_load_shows_remaining_friction(look):
-    page = opened(look("?view=hero"), 8)
+    page = opened(look("?more=0"), 8)
     page.locator("#tour-card .answer", has_text="about as large").wait_for()
     load = "(run) => run.curves.L[run.sheared]"
     assert abs(page.evaluate(f"({load})(punch.run)")) < 0.1  # N/m, of a friction of some 200
@@ -104,7 +104,7 @@ def test_tour_stop_without_load_shows_remaining_friction(look):
 
 @pytest.mark.thorough
 def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
-    page = opened(look("?view=hero"), 9)
+    page = opened(look("?more=0"), 9)
     asked(page)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")
@@ -135,7 +135,7 @@ SIZES = ((1920, 1080), (1366, 768), (1280, 720), (1024, 768), (390, 844), (844, 
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("query", ["?view=hero", "?view=projector"])
+@pytest.mark.parametrize("query", ["?more=0", "?view=projector"])
 @pytest.mark.parametrize(("stop", "curve"), [(3, "area"), (2, "map"), (8, "forces")])
 def test_question_reason_and_curve_of_a_tour_stop_are_in_sight_at_every_size(look, query, stop, curve):
     page = opened(look(query), stop)
@@ -156,7 +156,7 @@ def test_question_reason_and_curve_of_a_tour_stop_are_in_sight_at_every_size(loo
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("query", ["?view=hero", "?view=projector"])
+@pytest.mark.parametrize("query", ["?more=0", "?view=projector"])
 def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_closes_it_only(look, query):
     page = opened(look(query), 8)
     asked(page)

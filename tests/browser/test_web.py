@@ -53,7 +53,7 @@ def test_page_works_in_a_browser_that_forbids_storage(server, browser):
     finished(page)
     page.locator("#stress").evaluate("(of) => { of.value = 'zz'; of.dispatchEvent(new Event('change')) }")
     page.keyboard.press("l")
-    page.wait_for_function("'tools' in document.documentElement.dataset")
+    page.wait_for_function("'more' in document.documentElement.dataset")
     assert not problems
     page.close()
 

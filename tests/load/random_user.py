@@ -27,7 +27,7 @@ KEYS = (
     *("Escape", "Tab", "Shift+Tab", "Enter", "Control+z", "Control+Shift+z", "ArrowUp", "ArrowDown"),
 )
 TYPED = ("0", "0.3", "-0.5", "1e3", "7", "abc", "", "1,5", "-1e9", "∞", "x" * 100)
-START = "", "?view=lab", "?view=projector", "?preset=rough", "?preset=fig4a-blue", "?preset=unload", "?page=regimes"
+START = "", "?more=1", "?view=projector", "?preset=rough", "?preset=fig4a-blue", "?preset=unload", "?page=regimes"
 PATIENCE = 120_000  # ms; a limit against hanging
 LOOK_EVERY = 12  # actions between two comparisons
 RELOAD_EVERY = 150  # actions of one visit

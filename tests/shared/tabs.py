@@ -32,8 +32,8 @@ class Tabs:
     def _new_context(self, options):
         context = self.browser.new_context(**options)
         context.set_default_timeout(PATIENCE)
-        # as for a visitor who used the tools last, with all of them in sight; ?view=hero shows the page as it opens
-        context.add_init_script("localStorage.getItem('view') ?? localStorage.setItem('view', 'lab')")
+        # as for a visitor who had *More* in sight last; ?more=0 shows the page as it opens
+        context.add_init_script("localStorage.getItem('more') ?? localStorage.setItem('more', '1')")
         return context
 
     def close(self):
@@ -88,11 +88,11 @@ AS_OPENED = """([search, wanted]) => {
     if (by("speed").value !== usual) change(by("speed"), { value: usual })
     if (dataset.theme !== wanted.theme) by("theme").click()
     if ((dataset.view === "projector") !== (wanted.view === "projector")) by("projector").click()
-    if (("tools" in dataset) !== (wanted.view === "lab")) by("tools").click()
+    if (("more" in dataset) !== (wanted.more === "1")) by("more").click()
     by("lens").dispatchEvent(new MouseEvent("dblclick")) // back to where it is by itself
     document.activeElement.blur()
     Object.assign(punch, { following: true, preview: null, place: null, speed: Number(usual), rests: 400 })
-    const scene = address.sceneOf(search), known = { ...scene, view: 1, theme: 1, page: 1, k: 1 }
+    const scene = address.sceneOf(search), known = { ...scene, view: 1, more: 1, theme: 1, page: 1, k: 1 }
     for (const [name] of new URLSearchParams(search))
         if (!(name in known)) throw new Error(`${name} needs a tab of its own`)
     const text = (one) => JSON.stringify(Object.entries(one).toSorted())
@@ -139,7 +139,7 @@ class SharedTab:
         page, asked = self.page, dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))
         page.set_viewport_size(DESKTOP)
         page.mouse.move(1, 1)
-        page.evaluate(AS_OPENED, [query, {"theme": "light", "view": "lab"} | asked])
+        page.evaluate(AS_OPENED, [query, {"theme": "light", "more": "1"} | asked])
         page.wait_for_function(
             "!punch.waiting.length && !punch.stale && !document.querySelector('.sheet:not([hidden])')"
         )

@@ -4,7 +4,7 @@
 import { by, lastSearch, on, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { restore } from "./steer.js"
-import { beginChange, declared, me, view } from "./store.js"
+import { beginChange, declared, me, sees, view } from "./store.js"
 
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
@@ -100,7 +100,9 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "pin", "force"]
+const VIEWED = ["theme", "embed", "tour", "view", "more", "pin", "force"]
+// Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
+export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 function popped(event) {
@@ -156,6 +158,7 @@ export function linkTo(more = []) {
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)
+  if (sees("more")) url.searchParams.set("more", "1")
   for (const [name, text] of more) url.searchParams.append(name, text)
   return url.href
 }

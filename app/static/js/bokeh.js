@@ -154,12 +154,6 @@ export function frameBox(figure) {
   return { left, top, width, height, across, up, X, Y }
 }
 
-// How many pixels of the screen a unit in y takes, over a unit in x; nothing before the figure is laid out
-export function stretch(figure) {
-  const box = figure && frameBox(figure)
-  return box ? box.up / box.across : null
-}
-
 // A canvas with a figure as it is drawn now, in pixels of the screen
 export const pictureOf = (figure) => viewOf(figure).export("png").canvas
 

@@ -18,7 +18,7 @@ function connect() {
   connected = true
   view(["status"], refresh)
   on("find", "input", refresh)
-  on("drawer", "close", () => by(by("more").checkVisibility() ? "more" : "menu").focus())
+  on("drawer", "close", () => by(by("parameters").checkVisibility() ? "parameters" : "menu").focus())
   for (const button of document.querySelectorAll(".restore")) {
     button.addEventListener("click", () => {
       const entry = by(`${button.dataset.name}-entry`)

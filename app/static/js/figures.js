@@ -1,7 +1,7 @@
 // The figures: frames and curves into their sources. Nothing here reaches the server.
 
 import {
-  fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, stretch, thicken, tint, viewOf,
+  fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, isShown, nice, readAgain, shades, textSize, theme } from "./colours.js"
 import { by, tell } from "./dom.js"
@@ -18,7 +18,6 @@ const NARROW = 0.5 // of the largest area: where it stays above, the axis does n
 const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at its ends are whole
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
 const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
-const TO_SCALE = 0.02 // a difference that nobody sees
 const THICK = 2.5 // times, for a projector
 export function adopt(name, figure) {
   figures[name] = figure
@@ -209,12 +208,6 @@ export function shade(view, label, low, high) {
 
 // What is not in sight is not drawn
 export const figureShown = (view) => isShown(document.querySelector(`.view[data-view="${view}"]`))
-
-// How many times as high as wide a figure is drawn on this screen now, in words; nothing before it is laid out
-export function stretchText(view) {
-  const times = stretch(figures[view])
-  return times && (Math.abs(times - 1) < TO_SCALE ? "to scale" : `×${Number(times.toPrecision(2))}`)
-}
 
 // Figures are drawn on a canvas and need the colours: of what is drawn, the one its tag names
 export function paint() {

@@ -1,6 +1,6 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { redo, undo } from "./address.js"
+import { namesScene, redo, undo } from "./address.js"
 import { onEvent } from "./bokeh.js"
 import { sendFile } from "./channel.js"
 import { theme } from "./colours.js"
@@ -11,7 +11,7 @@ import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { declared, exact, beginChange, me, redraw, reduced, set } from "./store.js"
 import { openTheory } from "./terms.js"
-import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, useTools } from "./view.js"
+import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
@@ -41,12 +41,12 @@ function connectHand() {
       if (from.way === "scrolls") return
       view.setPointerCapture(event.pointerId)
       view.dataset.dragged = from.way
-      by("grab").hidden = event.pointerType !== "touch" // for a finger it is the grip
     }
     if (from.way === "along") pull(from.along, dx)
     else if (from.way === "down") push(from.delta + DEEP * dy)
   }, ({ way }) => {
     if (way === "down") letGo()
+    if (way && way !== "scrolls") hideHint()
     delete view.dataset.dragged
   })
 
@@ -71,7 +71,7 @@ function switchTheme() {
 const KEYS = {
   " ": toggle, ArrowRight: move, ArrowLeft: (jump) => move(-jump),
   Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
-  "?": () => by("keys").showModal(), p: project, l: useTools, c: chooseNext, m: slowMotion, f: fillScreen,
+  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext, m: slowMotion, f: fillScreen,
 }
 const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
 
@@ -92,6 +92,7 @@ function onKey(event) {
     || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
   if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
+  hideHint()
   KEYS[key](event.shiftKey ? 10 : 1)
 }
 
@@ -117,7 +118,12 @@ function choosePreset(preset) {
   if (!reduced) play(true)
 }
 
+// The hint over the contact goes once anything was moved
+const hideHint = () => { by("grab").hidden = true }
+
 export function connect() {
+  by("grab").hidden = namesScene()
+  document.addEventListener("input", hideHint, { once: true })
   for (const name in declared.positions) connectSlider(name, declared.positions[name])
   document.querySelector(".controls").addEventListener("keydown", ({ key }) => {
     if (key === "Escape" || (key === "Enter" && document.activeElement.matches("input[type=text]")))
@@ -131,7 +137,7 @@ export function connect() {
   }
   on("row", "change", ({ target }) => choosePreset(target.value))
   sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`))
-  on("more", "click", async () => (await import("./drawer.js")).openDrawer())
+  on("parameters", "click", async () => (await import("./drawer.js")).openDrawer())
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {

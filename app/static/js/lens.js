@@ -1,10 +1,12 @@
 // Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
 
-import { by, closest, on, onDrag } from "./dom.js"
+import { frameBox } from "./bokeh.js"
+import { by, closest, on, onDrag, tell } from "./dom.js"
 import { figures } from "./figures.js"
-import { line, size, write } from "./pen.js"
-import { fixed } from "./quantities.js"
-import { me, redrawCanvases } from "./store.js"
+import { line, write } from "./pen.js"
+import { sideways } from "./punch.js"
+import { digits, fixed } from "./quantities.js"
+import { me, redrawCanvases, sees } from "./store.js"
 
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
@@ -35,10 +37,25 @@ function follow(run, k, { x, T_n }) {
   return lens.moving
 }
 
+const times = (factor) => `${digits(factor, 2)} times`
+
+// By how much the picture enlarges what it shows, in words
+function tellScales() {
+  const box = frameBox(figures.punch), { run } = me
+  if (!box || !run) return
+  const moved = sideways(run), aside = moved > 1 ? ` and displacements sideways ${times(moved)}` : ""
+  const text = run.head.flat ? "The picture is to scale."
+    : `The picture shows heights ${times(box.up / box.across)}${aside} as large as lengths along the surface.`
+  const magnified = times((2 * radiusIn(box)) / ACROSS / box.across)
+  tell(by("scales"), `${text}${by("lens").hidden ? "" : ` The lens is to scale and magnifies ${magnified}.`}`)
+}
+
+const radiusIn = ({ width, height }) => Math.min(95, 0.25 * height, 0.16 * width)
+
 export function drawLens(view) {
   const { pen, box, X, Y, frame, ink } = view
-  const radius = Math.min(95, 0.25 * box.height, 0.16 * box.width), at = focus(view)
-  by("lens").hidden = !by("lens-on").checked || view.narrow || radius < 40 || at === null
+  const radius = radiusIn(box), at = focus(view)
+  by("lens").hidden = !sees("lens") || !by("lens-on").checked || view.narrow || radius < 40 || at === null
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const near = closest(frame.x, at)
@@ -69,8 +86,6 @@ export function drawLens(view) {
   pen.strokeStyle = ink.text
   pen.lineWidth = 2
   pen.stroke()
-  const top = centre[1] - radius + 0.9 * size()
-  write(view, `×${Math.round(scale / box.across)}`, centre[0], top, { scale: 0.85, of: ink.soft })
 }
 
 // The punch above its nodes
@@ -145,6 +160,7 @@ export function drawLattice(view) {
 }
 
 export function connectLens() {
+  on("solver", "beforetoggle", tellScales)
   const grip = by("lens")
   const move = (nm) => {
     const { start, end } = figures.punch.x_range

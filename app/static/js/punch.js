@@ -4,7 +4,7 @@ import { set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
-  CURVES, figures, fill, parts, settled, shareAxis, stretchText,
+  CURVES, figures, fill, parts, settled, shareAxis,
 } from "./figures.js"
 import { declared, me } from "./store.js"
 
@@ -14,10 +14,9 @@ const LARGER = 3 // times, at most, that a displacement sideways is drawn
 const IN_SIGHT = 0.4 // of half of the view: the top is drawn to move by no more
 const SITES = 5 // of a flat surface on either side of the middle: it is all alike
 
-// By how much every displacement sideways is drawn larger, so that lean and slip are seen; to scale with tools, where
-// places are read
+// By how much every displacement sideways is drawn larger, so that lean and slip are seen
 export function sideways({ head, normal }) {
-  if (head.flat || "tools" in document.documentElement.dataset) return 1
+  if (head.flat) return 1
   const far = normal ? 0 : Math.max(...head.span.map(Math.abs)) // nm, what the top moves
   return Math.max(1, Math.min(LARGER, Math.floor((IN_SIGHT * figures.punch.x_range.end) / far)))
 }
@@ -37,13 +36,6 @@ export function drawFrame(run, k) {
   drawPunch(run, frame, top)
   const location = run.curves[run.part(run.approaching(k)).abscissa][k]
   for (const view of CURVES) set(parts[view].cursor, { location })
-  nameScale(frame)
-}
-
-// How much larger heights are drawn than widths, and displacements sideways than they are
-function nameScale({ times }) {
-  const up = stretchText("punch")
-  if (up) set(figures.punch.left[0], { axis_label: times > 1 ? `${up}, sideways ×${times}` : `drawn ${up}` })
 }
 
 function drawPunch(run, frame, top) {

@@ -8,7 +8,7 @@ import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { fixed, withUnit } from "./quantities.js"
 import { changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
-import { exact, me } from "./store.js"
+import { exact, me, sees } from "./store.js"
 import { explain } from "./terms.js"
 
 const REST = 46 // px, a drive that is not stretched
@@ -135,7 +135,8 @@ function drawEdges(view) {
   drawFriction(view, Math.min(left, from), Math.max(right, to), y)
   // while the top moves up or down contact grows and shrinks anyway
   const sliding = ["shear", "back"].includes(run.stage(k))
-  const start = sliding && k > run.sheared && !narrow && patches.length === 1 ? run.edges(run.sheared) : null
+  if (!sees("edges") || !sliding || k <= run.sheared || narrow || patches.length > 1) return
+  const start = run.edges(run.sheared)
   if (!start) return
   const [a, b] = run.edges(k), peeled = [a - start[0], start[1] - b]
   const low = Math.min(y + 0.8 * size() + row, bottom - 0.7 * size()) // in sight under a deep punch, too

@@ -2,7 +2,7 @@
 // And the theory page. Both are fetched when somebody asks for them.
 
 import { by, make, makeButton } from "./dom.js"
-import { declared } from "./store.js"
+import { declared, sees } from "./store.js"
 
 let forms = null // what finds forms of terms in a text
 
@@ -18,7 +18,8 @@ const glossary = file("glossary.html"), theory = file("theory.html")
 // The text of an element again, the first occurrence of each term in it as a button, in one line with the stop behind
 // it
 export function explain(element, text = element.textContent) {
-  const seen = new Set(), parts = forms ? text.split(forms) : [text] // between, term, stop, between, ...
+  const seen = new Set()
+  const parts = forms && sees("terms") ? text.split(forms) : [text] // between, term, stop, between, ...
   element.replaceChildren(...parts.map((part, i) => {
     const term = i % 3 === 1 ? declared.terms[part.toLowerCase()] : undefined
     if (!term || seen.has(term)) return i % 3 === 2 && seen.has(i) ? "" : part
@@ -26,6 +27,11 @@ export function explain(element, text = element.textContent) {
     const button = makeButton({ className: "term", data: { term }, "aria-haspopup": "dialog" }, part)
     return parts[i + 1] ? make("span", { style: "white-space: nowrap" }, button, parts[i + 1]) : button
   }))
+}
+
+// The texts on the page, where terms are shown now or no longer
+export function explainAgain() {
+  for (const element of document.querySelectorAll("[data-terms]")) explain(element)
 }
 
 async function show(source) {
@@ -45,7 +51,7 @@ async function show(source) {
 
 export function connect() {
   forms = new RegExp(`(?<![\\p{L}-])(${Object.keys(declared.terms).join("|")})(?![\\p{L}-])([,.:;?)]*)`, "iu")
-  for (const element of document.querySelectorAll("[data-terms]")) explain(element)
+  explainAgain()
   document.addEventListener("click", ({ target }) => {
     const term = target.closest?.(".term")
     if (term) show(term)

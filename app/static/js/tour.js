@@ -9,12 +9,13 @@ import { goto, play } from "./player.js"
 import { fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
-import { cover, exact, me, set, view } from "./store.js"
+import { cover, exact, me, redraw, set, view } from "./store.js"
 import { explain } from "./terms.js"
 import { PICTURES } from "./tour/pictures.js"
 import { STOPS } from "./tour/stops.js"
 import { choose, lettersAreKeys } from "./view.js"
 
+const { dataset } = document.documentElement
 let before = null // {U, F} of the first slip of the usual scene, to compare with
 let unseen = null // the scene that nobody has seen
 let at = 0, phase = "ask", chosen = null, card = null
@@ -31,7 +32,9 @@ export function openTour(stop = 1) {
 
 function close() {
   card.hidden = true
-  delete document.documentElement.dataset.tour
+  delete dataset.tour
+  delete dataset.shows
+  redraw()
   for (const name of CURVES) curtain(name).hidden = true
   removeEventListener("popstate", left)
   by("tour").focus()
@@ -164,7 +167,7 @@ function explained(tag, className, text) {
 function write() {
   const stop = STOPS[at]
   const title = make("h2", {}, `${at + 1} of ${STOPS.length}: ${stop.name}`)
-  document.documentElement.dataset.tour = phase
+  Object.assign(dataset, { tour: phase, shows: `terms ${stop.shows ?? ""}` })
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
   if (phase === "wait") card.append(paragraph("", waiting()))
   else if (phase === "turn") card.append(paragraph("question", stop.ask))

@@ -1,40 +1,49 @@
-// The ways to look at the experiment: as it opens, in large for a lecture hall, and with all tools in sight.
+// The ways to look at the experiment: as it opens, with more in sight, and in large for a lecture hall.
 
 import { by, keep, kept, on, readdress, tell } from "./dom.js"
 import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
-import { embedded, me, redraw, view } from "./store.js"
+import { embedded, me, redraw, sees, view } from "./store.js"
+import { explainAgain } from "./terms.js"
 import { described } from "./words.js"
 
 const { dataset } = document.documentElement
 
 // For a lecture hall, or back
 export function project() {
-  dataset.view = dataset.view === "projector" ? "hero" : "projector"
-  if (dataset.view === "projector" && document.querySelector(".page").dataset.page) openPage("")
+  if (projected()) delete dataset.view
+  else dataset.view = "projector"
+  if (projected() && document.querySelector(".page").dataset.page) openPage("")
   settle()
 }
 
-// All tools in sight, or only what a visitor needs; kept for the next visit
-export function useTools() {
-  document.documentElement.toggleAttribute("data-tools")
-  if (!embedded) keep("view", "tools" in dataset ? "lab" : "hero")
+// More in sight than punch, sentence, forces, sliders and Play, or these alone; kept for the next visit
+export function seeMore() {
+  document.documentElement.toggleAttribute("data-more")
+  if (!embedded) keep("more", sees("more") ? "1" : "0")
+  explainAgain()
   settle()
 }
 
 // Whether single letters, digits and signs do something. Those who dictate may switch them off, for good
 export const lettersAreKeys = () => by("letters").checked
 
+const projected = () => dataset.view === "projector"
+
 function settle() {
-  const asked = dataset.view === "projector" ? "projector" : "tools" in dataset ? "lab" : null
-  readdress((address) => (asked ? address.set("view", asked) : address.delete("view")))
+  readdress((address) => {
+    for (const [name, value, chosen] of [["view", "projector", projected()], ["more", "1", sees("more")]]) {
+      if (chosen) address.set(name, value)
+      else address.delete(name)
+    }
+  })
   tellButtons()
   redraw()
 }
 
 function tellButtons() {
-  by("projector").setAttribute("aria-pressed", dataset.view === "projector")
-  by("tools").setAttribute("aria-pressed", "tools" in dataset)
+  by("projector").setAttribute("aria-pressed", projected())
+  by("more").setAttribute("aria-pressed", sees("more"))
 }
 
 export function connectViews() {
@@ -42,7 +51,7 @@ export function connectViews() {
   on("letters", "change", ({ target }) => keep("letters", target.checked ? "on" : "off"))
   tellButtons()
   on("projector", "click", project)
-  on("tools", "click", useTools)
+  on("more", "click", seeMore)
   on("chosen", "change", (event) => choose(event.target.value))
   for (const curve of CURVES) {
     document.querySelector(`main .${curve} figcaption`).addEventListener("click", ({ target }) => {
@@ -65,6 +74,7 @@ export function choose(curve) {
 }
 
 export function chooseNext() {
+  if (!sees("more")) return
   const { chosen } = document.querySelector("main").dataset
   choose(CURVES[(CURVES.indexOf(chosen) + 1) % CURVES.length])
 }

@@ -1,11 +1,12 @@
 // The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is
-// asked about; answers: the right one first, shown in `order`; picture: what argues the reason (pictures.js); turn: the
-// slider to play with, ask: what to try with it; unseen: scenes that nobody has seen, the right answer taken from the
-// run, with why
+// asked about; shows: the part of *More* that this stop brings; answers: the right one first, shown in `order`; picture:
+// what argues the reason (pictures.js); turn: the slider to play with, ask: what to try with it; unseen: scenes that
+// nobody has seen, the right answer taken from the run, with why
 
 export const STOPS = [
   {
-    name: "First", preset: "fig6", values: {}, to: 10, order: [1, 0, 2], curve: "forces", picture: "springs",
+    name: "First", preset: "fig6", values: {}, to: 10, order: [1, 0, 2], curve: "forces",
+    shows: "lens", picture: "springs",
     question: "The top is pulled sideways, slowly. What will the friction force do first?",
     answers: ["grow in proportion to the pull", "stay zero until the punch slides", "jump to its full value at once"],
     why: "Nothing slides yet: the punch leans over, and its surface clings to the lattice sites. "
@@ -13,7 +14,8 @@ export const STOPS = [
     turn: "E", ask: "Move the stiffness: how does the slope change?",
   },
   {
-    name: "The edges", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2], curve: "map", picture: "edges",
+    name: "The edges", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2], curve: "map",
+    shows: "edges", picture: "edges",
     question: "Still no slip, but the edges of the contact begin to let go. Which one more?",
     answers: ["the trailing edge, behind", "the leading edge, in front", "both the same"],
     why: "The lean lifts the punch behind and presses it down in front, while the pull weakens the grip of both edges: "
@@ -29,7 +31,8 @@ export const STOPS = [
     turn: "phi_ratio", ask: "Weaken the grip: how far does the area come back then?",
   },
   {
-    name: "Upwards", preset: "fig7-case1", values: {}, to: 9.1, order: [1, 2, 0], curve: "forces", picture: "springs",
+    name: "Upwards", preset: "fig7-case1", values: {}, to: 9.1, order: [1, 2, 0], curve: "forces",
+    shows: "lens", picture: "springs",
     question: "The top is held above the surface, so that the punch hangs on its adhesion. Will there be friction?",
     answers: ["yes, even when nothing is repelled any more", "no: friction needs a load",
       "only as long as the area is not zero"],
@@ -38,7 +41,8 @@ export const STOPS = [
     turn: "delta_bar", ask: "Pull farther: when does it let go for good?",
   },
   {
-    name: "Oil", preset: "fig7-case3", values: {}, to: 12, order: [0, 2, 1], curve: "area", picture: "areas",
+    name: "Oil", preset: "fig7-case3", values: {}, to: 12, order: [0, 2, 1], curve: "area",
+    shows: "bands", picture: "areas",
     question: "A lubricant leaves a tenth of the grip. What will the slips be like?",
     answers: ["early, and nearly all of the area comes back", "late and large", "there will be none"],
     why: "Little lean is stored before the grip gives way, so little has been peeled, and all of it can come back.",
@@ -50,7 +54,7 @@ export const STOPS = [
     answers: ["larger", "the same", "smaller"],
     why: "It hardly leans, so that all of the contact gives way together: "
       + "the force is larger, the pull that it takes much smaller.",
-    turn: "E", ask: "Compare with a soft one: where does one part let go before the other?",
+    turn: "E", ask: "Compare with a soft one: how much farther must the top be pulled?",
   },
   {
     name: "A rubber band", preset: "fig6", values: { drive_t: 10 }, to: 22, order: [1, 0, 2],
@@ -89,6 +93,6 @@ export const STOPS = [
     answers: ["shorter", "longer", "the same, to a tenth of a nanometre"],
     why: "It slips at {after} nm instead of {before} nm. {reason}",
     turn: "delta_bar",
-    ask: "The tour ends here. The row at the top has more experiments; the sliders and the curves are yours.",
+    ask: "The tour ends here, the sliders are yours. More has the lens, the tractions, the contact area and its map.",
   },
 ]

@@ -1,0 +1,107 @@
+"""The first look: one idea in sight, and what *More* and the tour add to it."""
+
+import pytest
+from served import PATIENCE, finished, from_menu, laid_out
+from tabs import imported
+
+MOST = 16  # controls and marks at first sight
+OPERABLE = """() => {
+    const what = 'button, input, select, a[href], summary, [role=slider], [tabindex="0"], .term, .mark, .view'
+    const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden], .unseen')
+    const inSight = (box) => box.width > 1 && box.height > 1 && box.bottom > 0 && box.top < innerHeight
+    return [...document.querySelectorAll(what)].filter(seen)
+        .filter((e) => inSight((e.closest('label') ?? e).getBoundingClientRect()))
+        .map((e) => e.id || e.textContent.trim() || e.className)
+}"""
+IDEA = "#punch-view", "#sentence", ".view[data-view=forces]", "#delta_bar", "#phi_ratio", "#E", "#play"
+MORE = "#lens", "#bands", ".view[data-view=area]", ".view[data-view=map]", ".term", ".mark", ".as-table", "#readout"
+
+
+def visible(page, parts):
+    return [part for part in parts if page.locator(f"{part}:visible").count()]
+
+
+def large(page):
+    page.set_viewport_size({"width": 1440, "height": 900})
+    laid_out(page)
+    return page
+
+
+def test_the_first_look_has_one_idea_and_at_most_sixteen_controls_and_marks(look):
+    page = large(look("?more=0"))
+    page.keyboard.press("End")  # with the button of slow motion
+    page.locator("#slow").wait_for()
+    found = page.evaluate(OPERABLE)
+    assert len(found) <= MOST, found
+    assert visible(page, IDEA) == list(IDEA) and visible(page, MORE) == []
+    areas = [box["width"] * box["height"] for box in (page.locator(part).bounding_box() for part in IDEA)]
+    assert areas[0] > 2 * max(areas[1:])  # the punch is the largest
+
+
+def test_more_adds_its_parts_at_once_and_takes_them_away_again(look):
+    page = large(look("?more=0"))
+    page.get_by_role("button", name="More").click()
+    page.locator("#lens").wait_for()
+    assert visible(page, MORE) == list(MORE) and "more=1" in page.url
+    assert page.locator("#sentence .term").count()
+    page.get_by_role("button", name="More").click()
+    page.locator("#lens").wait_for(state="hidden")
+    assert visible(page, MORE) == [] and "more=1" not in page.url
+
+
+@pytest.mark.thorough
+def test_more_is_remembered_and_is_part_of_a_shared_link(server, browser):
+    context = browser.new_context(reduced_motion="reduce")
+    page = context.new_page()
+    page.goto(server.address)
+    finished(page)
+    assert not page.evaluate("'more' in document.documentElement.dataset")
+    page.get_by_role("button", name="More").click()
+    from_menu(page, "#take")
+    assert "more=1" in page.input_value("#share-link")
+    page.goto(server.address)
+    assert page.evaluate("'more' in document.documentElement.dataset")
+    page.goto(f"{server.address}?embed=1")
+    assert not page.evaluate("'more' in document.documentElement.dataset")
+    context.close()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("query", ["?more=1", "?view=lab", "?force=bar"])
+def test_a_link_that_uses_parts_of_more_shows_them_to_a_first_visitor(server, browser, query):
+    context = browser.new_context(reduced_motion="reduce")
+    page = context.new_page()
+    page.goto(f"{server.address}{query}")
+    finished(page)
+    page.locator("#readout").wait_for()
+    context.close()
+
+
+@pytest.mark.thorough
+def test_the_hint_to_drag_goes_with_the_first_move_and_is_not_for_links(server, browser):
+    context = browser.new_context(reduced_motion="reduce")
+    page = context.new_page()
+    page.goto(server.address)
+    finished(page)
+    hint = page.locator("#grab")
+    hint.wait_for()
+    page.focus("#E")
+    page.keyboard.press("ArrowRight")
+    hint.wait_for(state="hidden")
+    page.goto(f"{server.address}?preset=fig6")
+    finished(page)
+    assert hint.is_hidden()
+    context.close()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("stop", "part"), [(1, "#lens"), (2, ".view[data-view=map]"), (5, "#bands")])
+def test_a_stop_of_the_tour_brings_one_part_of_more(look, stop, part):
+    page = large(look("?more=0"))
+    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
+    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+    page.locator(part).first.wait_for()
+    others = [other for other in ("#lens", "#bands", ".view[data-view=map]") if other != part]
+    assert visible(page, others) == []
+    page.get_by_role("button", name="End tour").click()
+    page.locator(part).first.wait_for(state="hidden")
