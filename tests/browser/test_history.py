@@ -116,13 +116,15 @@ def test_an_embedded_page_shows_paused_views_with_sliders_and_fits_small_frames(
     page.wait_for_function("punch.drawn === 150 && !punch.playing")
     assert not page.locator("header").is_visible() and page.locator(".controls input[type=range]:visible").count() == 3
     assert page.locator(".player button:visible").count() == 1 and page.locator("#scrub").is_visible()
-    assert page.locator("figure:visible").count() == 4
+    assert page.locator("figure:visible").count() == 2  # punch and forces
     assert "δ/δ₀ = 0.1" in page.inner_text("#caption")
     assert "embed" not in page.get_attribute("#whole-app", "href")
     assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
-    for width, height in ((960, 600), (800, 600), (600, 400), (400, 300)):
+    for width, height in ((960, 600), (800, 600), (600, 400), (400, 560), (400, 300), (320, 300)):
         page.set_viewport_size({"width": width, "height": height})
         laid_out(page)
+        assert page.locator("#punch-view").bounding_box()["height"] >= 0.4 * height, (width, height)
+        assert page.evaluate("sentence.getBoundingClientRect().bottom <= narration.getBoundingClientRect().bottom + 1")
         assert not page.evaluate(FAULTS) and page.evaluate("document.documentElement.scrollHeight <= innerHeight")
         assert page.locator(".control input[type=range]:visible").count() and page.locator("#whole-app").is_visible()
     page.fill("#delta_bar-entry", "0.12")
