@@ -11,8 +11,12 @@ from app import pages
 from app.pages import Sheet, listed, section
 from app.pages.law import page as law
 from app.service import tasks
+from app.service.worker import Part
 from solver import CHOICES, Scene, toughness
+from solver.files import plain
 from solver.mechanics import cohesive_law
+from solver.results import first_slip
+from solver.scene import PARAMETERS
 
 APP = Path(pages.__file__).parents[1]
 LONGEST = 120  # characters of a line, as ruff holds for Python
@@ -49,6 +53,36 @@ def test_closed_pages_cause_no_tasks_and_no_messages(session):
     assert {message["kind"] for message in sent} == {"status"} and all(
         task.call[0].__module__ == "app.service.worker" for task in session.jobs.pool.tasks
     )
+
+
+def test_sweep_of_the_press_depth_publishes_a_point_per_slip_and_ends_with_the_page(session):
+    order(session, "page", page="load")
+    session.show(Scene(nodes=128, width=312.5, u_x_max=20.0, du_x=0.5, du_z=0.5), "fig6")
+    order(session, "ask", what="sweep")
+    calls = session.jobs.pool.tasks
+    assert len(session.pages.page.sweep.waiting) == 12 and session.pages.page.published["busy"] == 0.0
+    calls = [task for task in calls if task.call[0] is tasks.first_slip]
+    scene = calls[3].call[1]
+    result = tasks.first_slip(scene)
+    while isinstance(result, Part):
+        result = tasks.first_slip(scene, result.state)
+    calls[3].set_result(result)
+    calls[4].set_result(None)  # no slip
+    calls[5].set_result("no equilibrium")
+    page = session.pages.page.published
+    assert page["swept"] == [{"scene": plain({name: getattr(scene, name) for name in PARAMETERS}), **result}]
+    expected = first_slip(scene)
+    assert [result[name] for name in "UFL"] == [expected[name] for name in ("U_s (nm)", "F_s (N/m)", "L_s (N/m)")]
+    assert page["texts"]["load-why"] == "Not computed at δ/δ₀ = 0.2: no equilibrium"
+    order(session, "page", page="")
+    assert all(task.done() for task in calls if task.call[0] is tasks.first_slip)
+
+
+def test_sweep_of_a_path_that_sets_its_own_depth_says_why_there_is_none(session):
+    session.show(Scene(path="points", points="0,-1; 0,0.2; 4,0.2"), "fig6")
+    order(session, "page", page="load")
+    order(session, "ask", what="sweep")
+    assert session.pages.page.published["texts"]["load-why"].startswith("No sweep: delta_bar")
 
 
 def test_an_unknown_page_is_named_in_a_note(session):

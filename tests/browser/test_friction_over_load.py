@@ -1,6 +1,7 @@
 """The page "Friction over load": the first slips of the runs that a visitor has seen."""
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from served import PATIENCE
 from tabs import imported
 
+from app.pages.load.page import DEPTHS
 from solver import Scene, load_path
 
 COARSE = {"nodes": 256, "width": 625.0, "du_x": 0.2, "du_z": 0.5, "u_x_max": 20.0}
@@ -137,3 +139,27 @@ def test_a_single_point_without_load_lies_on_axes_of_the_size_of_forces(look):
     figure = "[...Bokeh.documents[0]._all_models.values()].findLast((model) => model.name === 'load_slips')"
     L = page.evaluate(f"(({{ start, end }}) => [start, end])({figure}.x_range)")
     assert L[0] < -1.0 and L[1] > 1.0
+
+
+def test_sweep_of_the_press_depth_adds_twelve_runs_of_one_interface_and_their_force_without_load(opened):
+    page = opened
+    page.get_by_role("button", name="Sweep the press depth").click()
+    has_points(page, 12)  # the run on screen is one of them
+    joined = np.array([page.evaluate(COLUMN.format("mark runs", column)) for column in ("L", "F")])
+    expected = np.array([first_slip(delta_bar=depth) for depth in DEPTHS]).T
+    np.testing.assert_allclose(joined, expected, rtol=1e-3, atol=0.05)
+    held = np.interp(0.0, *expected)
+    slope, offset = np.polyfit(*expected, 1)
+    line = np.array([page.evaluate(COLUMN.format("mark line", column)) for column in ("L", "F")])
+    np.testing.assert_allclose(np.polyfit(*line, 1), [slope, offset], rtol=1e-3)
+    said = page.inner_text("#load-law")
+    numbers = [float(text) for text in re.findall(r"\d+\.?\d*(?= N/m)", said)]
+    miss = np.abs(slope * expected[0] + offset - expected[1]).max()
+    assert "At L = 0 adhesion alone holds" in said
+    assert numbers == pytest.approx([held, offset, miss], rel=0.01)
+    enter(page, "E", "90")  # another interface, of one run so far
+    has_points(page, 13)
+    assert not page.evaluate(COLUMN.format("mark runs", "L"))
+    assert "adhesion" not in page.inner_text("#load-law")
+    page.locator("#load-clear").click()
+    has_points(page, 0)

@@ -98,8 +98,6 @@ def test_tour_stop_without_load_shows_remaining_friction(look):
     assert abs(page.evaluate(f"({load})(punch.run)")) < 0.1  # N/m, of a friction of some 200
     page.click(".answer:has-text('zero')")
     page.locator("#tour-card p[role=status]", has_text="Not so.").wait_for()
-    page.click("#tour-card button:has-text('Your turn')")
-    page.locator("#tour-card .question", has_text="Friction over load").wait_for()
 
 
 @pytest.mark.thorough
@@ -116,6 +114,20 @@ def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
     )
     usual = 10.8  # nm, of the first slip at the default: of the paper's Fig. 6
     assert ("shorter" in right) == (slip < usual - 0.1) and ("longer" in right) == (slip > usual + 0.1)
+
+
+@pytest.mark.thorough
+def test_the_tour_ends_with_friction_over_load_in_twelve_runs(look):
+    page = opened(look("?more=0"), 9)
+    asked(page)
+    page.evaluate("punch.speed = 40")
+    page.keyboard.press("1")
+    page.get_by_role("button", name="Your turn").click(timeout=PATIENCE)
+    page.get_by_role("button", name="Friction over load").click()
+    page.locator("#load-law", has_text="At L = 0 adhesion alone holds with").wait_for(timeout=PATIENCE)
+    assert page.locator("#tour-card").is_visible()
+    page.get_by_role("button", name="Finish").click()
+    page.locator("#tour-card").wait_for(state="hidden")
 
 
 SEEN = """(curve) => {

@@ -35,7 +35,7 @@ LONGEST = 60.0  # s of an attack: the server lets its messages wait
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
        "<b>", "\ud800", "0x10", "1e999", [[[]]]]  # fmt: skip
 FITTING = {  # by the test of a field: values of which some pass
-    orders.is_text: ["law", "load", "measure", "cancel", "fit"],
+    orders.is_text: ["law", "load", "sweep", "cancel", "clear"],
     orders.is_link: ["x" * 1200, "E,phi_ratio"],
     orders.is_content: ["x,z\n1,2\n"],
     orders.is_number: [0.5, 1, 60, 300.0],

@@ -45,12 +45,12 @@ export function openAsked() {
 
 const shown = () => document.querySelector(".page").dataset.page
 
-// Open a page, or none, as another entry of the browser's history
-export function openPage(name) {
+// Open a page, or none, as another entry of the browser's history; wish: what to ask it for then
+export function openPage(name, wish = null) {
   if (name === shown()) return
   addEntry((asked) => { if (name) asked.set("page", name); else asked.delete("page") },
     { opened: Boolean(name) && !shown() })
-  show(name)
+  show(name, wish)
 }
 
 // Close the page: back to the entry before it, where opening it was the last change
@@ -62,7 +62,7 @@ function showAddressed() {
   if (name !== shown()) show(by(name)?.classList.contains("sheet") ? name : "")
 }
 
-function show(name) {
+function show(name, wish = null) {
   document.querySelector(".page").dataset.page = name
   for (const button of document.querySelectorAll("nav button"))
     button.setAttribute("aria-pressed", button.dataset.page === name)
@@ -73,7 +73,10 @@ function show(name) {
   }
   load(name)
   clearTimeout(picking)
-  picking = setTimeout(() => order("page", { page: name }), SETTLE)
+  picking = setTimeout(() => {
+    order("page", { page: name })
+    if (wish) ask(wish)
+  }, SETTLE)
 }
 
 // The script of a page, once it is there

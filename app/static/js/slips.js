@@ -24,6 +24,12 @@ export function collect(run) {
   last = known ?? points.at(-1)
 }
 
+// Take in a slip of a sweep of the press depth {scene, U, F, L}, unless its scene has a point
+export function addSwept(slip) {
+  const key = JSON.stringify(slip.scene)
+  if (!points.some((point) => point.key === key)) points.push({ key, ...slip, changed: "delta_bar" })
+}
+
 const differ = (name, scene) => `${scene[name]}` !== `${last.scene[name]}`
 
 // Runs to come are compared with the run seen last, as before

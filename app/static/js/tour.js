@@ -205,7 +205,10 @@ function ways() {
   if (at) buttons.push(makeButton({ onclick: () => openTour(at) }, "Previous"))
   if (phase === "why") buttons.push(makeButton({ onclick: takeTurn }, "Your turn"))
   if (next) buttons.push(makeButton({ onclick: () => openTour(at + 2) }, `Next: ${next.name}`))
-  else if (phase === "turn") buttons.push(makeButton({ onclick: close }, "Finish"))
+  else if (phase === "turn") {
+    buttons.push(makeButton({ onclick: () => openPage("load", { what: "sweep" }) }, "Friction over load"),
+      makeButton({ onclick: close }, "Finish"))
+  }
   return buttons
 }
 

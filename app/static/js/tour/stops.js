@@ -1,7 +1,7 @@
 // The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is
-// asked about; shows: the part of *More* that this stop brings; answers: the right one first, shown in `order`; picture:
-// what argues the reason (pictures.js); turn: the slider to play with, ask: what to try with it; unseen: scenes that
-// nobody has seen, the right answer taken from the run, with why
+// asked about; shows: the part of *More* that this stop brings; answers: the right one first, shown in `order`;
+// picture: what argues the reason (pictures.js); turn: the slider to play with, ask: what to try with it; unseen: scenes
+// that nobody has seen, the right answer taken from the run, with why
 
 export const STOPS = [
   {
@@ -70,8 +70,7 @@ export const STOPS = [
     question: "The load is held at zero: nothing presses the punch down. How large is the friction when it slips?",
     answers: ["about as large as before", "zero: friction is proportional to load", "a tenth of what it was"],
     why: "Adhesion alone presses the surfaces together. Friction over load is a line that does not begin at zero.",
-    turn: "delta_bar", ask: "Move the press depth a few times, then open Friction over load in the menu: is it a line "
-      + "through zero?",
+    turn: "delta_bar", ask: "Move the press depth: is friction zero anywhere while the surfaces hold on to each other?",
   },
   {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces",
@@ -93,6 +92,7 @@ export const STOPS = [
     answers: ["shorter", "longer", "the same, to a tenth of a nanometre"],
     why: "It slips at {after} nm instead of {before} nm. {reason}",
     turn: "delta_bar",
-    ask: "The tour ends here, the sliders are yours. More has the lens, the tractions, the contact area and its map.",
+    ask: "Twelve runs at twelve press depths end the tour: is friction over load a line through zero? Afterwards the "
+      + "sliders are yours, and More has the lens, the tractions, the contact area and its map.",
   },
 ]
