@@ -58,7 +58,7 @@ def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
         assert page.locator(".of-stress:visible").inner_text().startswith("τ: pulls on")
         assert not page.locator("#fringe-bar").is_visible()
         stress.evaluate(CHOOSE, "plain")
-        page.wait_for_function(f"({LOWEST})(0.5) === null")
+        page.locator("#fringes").wait_for(state="hidden")
     finally:
         stress.evaluate(CHOOSE, "fringes")
     page.wait_for_function("document.querySelector('.page').dataset.stress === 'fringes'")

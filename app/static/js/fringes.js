@@ -5,7 +5,6 @@ import { colour, isShown } from "./colours.js"
 import { by, keep, kept, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
-import { cleared } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
 import { redrawCanvases } from "./store.js"
@@ -19,8 +18,7 @@ const BAR = 9 // px, as the top is drawn by story.js
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
 
-const sheet = document.createElement("canvas")
-let image = null
+let image = null // the pixels of the canvas
 
 export function connectFringes() {
   by("stress").value = kept("fringes")
@@ -74,23 +72,27 @@ function tableNow({ head: { scene } }, half) {
 }
 
 export function drawFringes(run, k) {
-  const canvas = by("fringes"), figure = figures.punch
-  const box = isShown(canvas) ? frameBox(figure) : null, pen = box && cleared(canvas)
-  if (!pen) return
+  const canvas = by("fringes"), figure = figures.punch, box = isShown(canvas) ? frameBox(figure) : null
+  if (!box) return
   drawKey()
-  if (chosen() === "plain" || run.head.flat || run.apart) return
-  const { table, deep } = tableNow(run, figure.x_range.end)
+  const { table, deep } = chosen() === "plain" || run.head.flat || run.apart ? {} : tableNow(run, figure.x_range.end)
+  canvas.hidden = !table
   if (!table) return
-  paintSheet(run, k, figure, ordersIn(run, k, table, figure.x_range.end), (box.height - BAR) / box.height, deep)
-  pen.drawImage(sheet, box.left, box.top + BAR, box.width, box.height - BAR)
+  const { left, top, width, height } = box, place = [left, top + BAR, width, height - BAR].join()
+  if (canvas.dataset.place !== place) { // the browser enlarges the picture, at no cost to the page
+    canvas.dataset.place = place
+    Object.assign(canvas.style,
+      { left: `${left}px`, top: `${top + BAR}px`, width: `${width}px`, height: `${height - BAR}px` })
+  }
+  paintSheet(canvas, run, k, figure, ordersIn(run, k, table, figure.x_range.end), (height - BAR) / height, deep)
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
 // is to where it hangs on the top. part: of the view's height, that is below the top;
 // depth: of what is shown, in rows / ROWS
-function paintSheet(run, k, { x_range, y_range }, orders, part, depth) {
-  Object.assign(sheet, sheet.width === WIDE ? {} : { width: WIDE, height: HIGH })
-  const pen = sheet.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
+function paintSheet(canvas, run, k, { x_range, y_range }, orders, part, depth) {
+  if (canvas.width !== WIDE) Object.assign(canvas, { width: WIDE, height: HIGH })
+  const pen = canvas.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
   const shades = new Uint32Array(pixels.data.buffer)
   const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
   const U_x = times * run.top(k)

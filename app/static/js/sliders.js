@@ -42,7 +42,7 @@ function describe(name, value, error, before) {
 
 // Marks beside the sliders, where the behaviour changes (solver/analysis/marks.py); a click goes there
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
-const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark: the numbers at the ends are there
+const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark, so that it stays on the slider
 
 let drawn = "" // the marks on screen, as JSON
 
