@@ -42,7 +42,7 @@ def punch(x: Any) -> figure:
     add(plot, "substrate", BoxAnnotation(top=0, fill_alpha=0.12, line_width=0), "--text")
     draw(plot, Patch, "body", "--body", "x", "y", fill_alpha=0.25, line_alpha=0)
     draw(plot, Line, "surface", "--body", "x", "gap")
-    draw(plot, Scatter, "sites", "--text", "x", "gap", marker="square", size=2)
+    draw(plot, Line, "sites", "--text", "x", "gap")  # dashes, a site each
     for state, node in reversed(NODES.items()):  # the first is on top
         look: dict[str, Any] = {
             "marker": node.marker,

@@ -80,9 +80,19 @@ let unburdened = false
 function prepare(view) {
   skip(view)
   if (!unburdened) unburden(view)
+  for (const renderer of view.renderer_views.values()) leaveLooks(renderer)
   // an empty canvas over a figure is a layer that the browser puts together with all others for every picture
   const overlaid = [...view.renderer_views.keys()].some(({ level }) => level === "overlay")
   if (!overlaid) view.canvas_view.overlays.el.style.display = "none"
+}
+
+// Of each glyph Bokeh keeps four more: decimated, muted, selected and not selected. It computes all of them with new data
+// and in each painting, but here they are never painted
+const LOOKS = ["decimated_glyph", "muted_glyph", "selection_glyph", "nonselection_glyph"]
+const idle = () => {}
+function leaveLooks(renderer) {
+  for (const look of LOOKS.filter((name) => renderer[name]))
+    Object.assign(renderer[look], { set_data: idle, set_visuals: idle, after_visuals: idle, map_data: idle })
 }
 
 // No key does anything in a figure, so that the Tab key passes it; a canvas of a new size is a stop again

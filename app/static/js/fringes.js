@@ -7,10 +7,12 @@ import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
 import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
-import { redrawCanvases } from "./store.js"
+import { me, redrawCanvases } from "./store.js"
 
-const WIDE = 320, HIGH = 180, SHADES = 64 // of the picture in pixels; of a fringe
-const COLUMNS = 192, ROWS = 60 // in which stress is summed, some ten pixels each
+// of the picture in pixels, and in how many columns stress is summed; half as many while a slider is held
+const FINE = { wide: 320, high: 180, columns: 192 }, COARSE = { wide: 160, high: 90, columns: 96 }
+const ROWS = 60 // in which stress is summed
+const SHADES = 64 // of a fringe
 const WAVES = 9 // of the shortest mode in half of the width shown
 const ORDERS = 3 // fringes in the key; the colours of a component end at so many
 const COMPONENTS = { zz: ZZ, xx: XX, xz: XZ }
@@ -18,7 +20,6 @@ const BAR = 9 // px, as the top is drawn by story.js
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
 
-let image = null // the pixels of the canvas
 
 export function connectFringes() {
   by("stress").value = kept("fringes")
@@ -72,7 +73,7 @@ function tableNow({ head: { scene } }, half) {
 }
 
 export function drawFringes(run, k) {
-  const canvas = by("fringes"), figure = figures.punch, box = isShown(canvas) ? frameBox(figure) : null
+  const canvas = by("fringes"), figure = figures.punch, box = isShown(by("punch-view")) ? frameBox(figure) : null
   if (!box) return
   drawKey()
   const { table, deep } = chosen() === "plain" || run.head.flat || run.apart ? {} : tableNow(run, figure.x_range.end)
@@ -84,41 +85,41 @@ export function drawFringes(run, k) {
     Object.assign(canvas.style,
       { left: `${left}px`, top: `${top + BAR}px`, width: `${width}px`, height: `${height - BAR}px` })
   }
-  paintSheet(canvas, run, k, figure, ordersIn(run, k, table, figure.x_range.end), (height - BAR) / height, deep)
+  const size = me.dragging ? COARSE : FINE, stress = ordersIn(run, k, table, figure.x_range.end, size.columns)
+  paintSheet(canvas, run, k, figure, { ...size, orders: stress, part: (height - BAR) / height, depth: deep })
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
-// is to where it hangs on the top. part: of the view's height, that is below the top;
-// depth: of what is shown, in rows / ROWS
-function paintSheet(canvas, run, k, { x_range, y_range }, orders, part, depth) {
-  if (canvas.width !== WIDE) Object.assign(canvas, { width: WIDE, height: HIGH })
-  const pen = canvas.getContext("2d"), pixels = (image ??= pen.createImageData(WIDE, HIGH))
+// is to where it hangs on the top. part: of the view's height, that is below the top; depth: of what is shown, in
+// rows / ROWS
+function paintSheet(canvas, run, k, { x_range, y_range }, { wide, high: rows, columns, orders, part, depth }) {
+  if (canvas.width !== wide) Object.assign(canvas, { width: wide, height: rows })
+  const pen = canvas.getContext("2d"), pixels = pen.createImageData(wide, rows)
   const shades = new Uint32Array(pixels.data.buffer)
   const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
   const U_x = times * run.top(k)
   const { theme } = document.documentElement.dataset, signed = chosen() in COMPONENTS
   const inks = signed ? signedInks(chosen(), theme) : inksOf(theme), zero = signed ? ORDERS * SHADES : 0
-  const half = x_range.end, nm = (2 * half) / WIDE, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
-  const step = (high - y_range.start) / HIGH
-  shades.fill(0)
-  for (let c = 0, i = 0; c < WIDE; c++) {
+  const half = x_range.end, nm = (2 * half) / wide, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
+  const step = (high - y_range.start) / rows
+  for (let c = 0, i = 0; c < wide; c++) {
     const at = -half + (c + 0.5) * nm
     while (i < x.length - 2 && x[i + 1] < at) i++
     const between = (at - x[i]) / (x[i + 1] - x[i])
     if (!(between >= 0 && between <= 1)) continue
     const surface = gap[i] + (gap[i + 1] - gap[i]) * between, u = at - ((first + i + between) * spacing - middle)
     const deep = high - surface
-    const last = Math.min(HIGH, Math.ceil((high - surface) / step))
+    const last = Math.min(rows, Math.ceil((high - surface) / step))
     for (let r = 0; r < last; r++) {
       const t = Math.max(0, 1 - ((r + 0.5) * step) / deep), column = (at - u - (U_x - u) * t + half) / nm - 0.5
       const row = t * depth * ROWS - 0.5
-      const j = Math.max(0, Math.min(COLUMNS - 2, Math.floor((column * COLUMNS) / WIDE)))
+      const j = Math.max(0, Math.min(columns - 2, Math.floor((column * columns) / wide)))
       const l = Math.max(0, Math.min(ROWS - 2, Math.floor(row)))
-      const p = Math.max(0, Math.min(1, (column * COLUMNS) / WIDE - j)), q = Math.max(0, Math.min(1, row - l))
-      const n = l * COLUMNS + j
+      const p = Math.max(0, Math.min(1, (column * columns) / wide - j)), q = Math.max(0, Math.min(1, row - l))
+      const n = l * columns + j
       const fringe = (orders[n] * (1 - p) + orders[n + 1] * p) * (1 - q)
-        + (orders[n + COLUMNS] * (1 - p) + orders[n + COLUMNS + 1] * p) * q
-      shades[r * WIDE + c] = inks[Math.max(0, Math.min(inks.length - 1, zero + Math.round(fringe * SHADES)))]
+        + (orders[n + columns] * (1 - p) + orders[n + columns + 1] * p) * q
+      shades[r * wide + c] = inks[Math.max(0, Math.min(inks.length - 1, zero + Math.round(fringe * SHADES)))]
     }
   }
   pen.putImageData(pixels, 0, 0)
@@ -146,9 +147,9 @@ function signedInks(component, theme) {
   }))
 }
 
-// Fringe orders, or a component in fringes (rows, COLUMNS), from the tractions of frame k, the row at the surface first
-function ordersIn(run, k, table, half) {
-  const component = COMPONENTS[chosen()], per = perFringe(), x = middles(COLUMNS, half)
+// Fringe orders, or a component in fringes (ROWS, columns), from the tractions of frame k, the row at the surface first
+function ordersIn(run, k, table, half, columns) {
+  const component = COMPONENTS[chosen()], per = perFringe(), x = middles(columns, half)
   if (component) return sumsIn(run, k, table, x, [component])[0].map((value) => value / per)
   const [apart, sheared] = sumsIn(run, k, table, x, [APART, SHEARED])
   return apart.map((a, i) => Math.sqrt(a * a + sheared[i] * sheared[i]) / per)

@@ -1,12 +1,12 @@
 // The punch, its nodes and the tractions of a frame, and the ranges that hold all frames of a run.
 
-import { set } from "./bokeh.js"
+import { frameBox, set } from "./bokeh.js"
 import { readAgain } from "./colours.js"
 import { by } from "./dom.js"
 import {
   CURVES, figures, fill, parts, settled, shareAxis,
 } from "./figures.js"
-import { declared, me } from "./store.js"
+import { declared, me, memory } from "./store.js"
 
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
 const TAIL = 0.2 // of what acts may lie out of sight, where attraction is weak, before the axis grows
@@ -59,14 +59,15 @@ function drawPunch(run, frame, top) {
   by("flat-state").textContent = label
 }
 
-let sites = 0 // how many are drawn on either side of the middle
+// The sites of the lattice: a line of dashes, which is quicker to paint than hundreds of marks
+const SITE = 2.5 // px
+const sites = memory()
 function drawSites({ spacing, middle }) {
-  const half = Math.ceil(figures.punch.x_range.end / spacing) + 2
-  if (half === sites) return
-  sites = half
-  const first = Math.round(middle / spacing)
-  const x = Float32Array.from({ length: 2 * half + 1 }, (_, j) => (first - half + j) * spacing - middle)
-  fill("punch", "sites", { x, gap: x.map(() => 0) })
+  const box = frameBox(figures.punch), half = Math.ceil(figures.punch.x_range.end / spacing) + 2
+  if (!box || !sites(half, spacing, middle, box.across, me.look)) return
+  const first = (Math.round(middle / spacing) - half) * spacing - middle - SITE / 2 / box.across
+  fill("punch", "sites", { x: [first, first + 2 * half * spacing + SITE / box.across], gap: [0, 0] })
+  set(parts.punch.sites.glyph, { line_width: SITE, line_dash: [SITE, spacing * box.across - SITE] })
 }
 
 // How far from the middle the map of a run reaches, and its punch is seen, nm
