@@ -86,8 +86,8 @@ function prepare(view) {
   if (!overlaid) view.canvas_view.overlays.el.style.display = "none"
 }
 
-// Of each glyph Bokeh keeps four more: decimated, muted, selected and not selected. It computes all of them with new data
-// and in each painting, but here they are never painted
+// Of each glyph Bokeh keeps four more: decimated, muted, selected and not selected. It computes all of them with new
+// data and in each painting, but here they are never painted
 const LOOKS = ["decimated_glyph", "muted_glyph", "selection_glyph", "nonselection_glyph"]
 const idle = () => {}
 function leaveLooks(renderer) {

@@ -1,7 +1,7 @@
 // The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is
 // asked about; shows: the part of *More* that this stop brings; answers: the right one first, shown in `order`;
-// picture: what argues the reason (pictures.js); turn: the slider to play with, ask: what to try with it; unseen: scenes
-// that nobody has seen, the right answer taken from the run, with why
+// picture: what argues the reason (pictures.js); turn: the slider to play with, ask: what to try with it; unseen:
+// scenes that nobody has seen, the right answer taken from the run, with why
 
 export const STOPS = [
   {
