@@ -3,12 +3,11 @@
 import { order, take } from "./channel.js"
 import { by, say, tell } from "./dom.js"
 import { figureShown, fill } from "./figures.js"
-import { exact, me, touch, view } from "./store.js"
+import { exact, me, sees, touch, view } from "./store.js"
 import { forceUnit } from "./words.js"
 
 const NOTHING = { U_x: [], value: [] }
 const known = new WeakMap() // run: its closed forms, {name, of, along, x, y, limit}
-const { dataset } = document.documentElement
 let asked = null // the run that they were asked for
 
 export function connectTheory() {
@@ -21,7 +20,7 @@ export function connectTheory() {
 }
 
 function draw() {
-  const { charted: run } = me, seen = "more" in dataset && exact(run) && run === me.run ? run : null
+  const { charted: run } = me, seen = sees("more") && exact(run) && run === me.run ? run : null
   if (seen && !known.has(seen) && seen.whole && seen.number === me.status.run && asked !== seen && !me.lost) {
     asked = seen
     order("theory", { run: seen.number })
