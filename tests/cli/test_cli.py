@@ -357,7 +357,8 @@ def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_fram
 
 
 def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
-    monkeypatch.setitem(METHODS, "gfmd", partial(Gfmd, budget=100))
+    hasty = dict(METHODS) | {"gfmd": partial(Gfmd, budget=100)}
+    monkeypatch.setattr("solver.run.loadpath.METHODS", hasty)
     code, _, err = call("run", "--method", "gfmd", "--set", *SMALL)
     assert (code, err.count("\n")) == (1, 1)
     assert re.search("(delta|U_x) = .* nm: residual .* try ", err)
