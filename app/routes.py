@@ -81,6 +81,15 @@ class Application(BokehTornado):
         raise ValueError(f"The server has no routes but those in {__name__}. Add {host_handlers} there.")
 
 
+def require() -> None:
+    """End a server that was not made by these routes: its own ones import modules that a visitor names."""
+    if server.BokehTornado is not Application:
+        raise SystemExit(
+            "The server was started with a file, without the hooks that close its routes. Serve the folder:"
+            " panel serve app"
+        )
+
+
 def install() -> None:
     """Give these routes to all servers of this process. Call it before a server is made; it may be repeated."""
     urls.per_app_patterns[:] = PAGE

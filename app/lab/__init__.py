@@ -15,6 +15,7 @@ from panel.io.resources import LOCAL_DIST
 
 from app.lab.base import back
 from app.session.controls import scene_from_address
+from app.session.orders import LARGEST
 
 log = logging.getLogger("app")
 PAGES = {"stick_slip": "Stick-slip", "area_laws": "Area laws", "fit": "Fit", "accuracy": "Accuracy"}
@@ -34,6 +35,25 @@ NAMES = """
     }
     visit(document)
 """
+# A message of 5 MB closes the connection, so a browser refuses a larger file than the page reads, before it sends it.
+FILES = f"""
+    const visit = (root) => {{
+        for (const e of root.querySelectorAll("*")) if (e.shadowRoot) visit(e.shadowRoot)
+        if (!root.querySelector("input[type=file]")) return
+        const said = document.createElement("p")
+        said.setAttribute("role", "alert")
+        root.append(said)
+        root.addEventListener("change", (event) => {{
+            const [file] = event.target.files ?? [], large = file?.size > {LARGEST}
+            said.textContent = large ? `${{file.name}} has ${{(file.size / 1e6).toFixed(1)}} MB, allowed: `
+                + "{LARGEST // 10**6} MB. Thin it out." : ""
+            if (!large) return
+            event.stopImmediatePropagation()
+            event.target.value = ""
+        }}, true)
+    }}
+    visit(document)
+"""
 
 
 def module(name: str) -> Any:
@@ -46,7 +66,7 @@ def serve() -> None:
     doc, arguments = pn.state.curdoc, pn.state.session_args
     name, theme = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
     doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
-    doc.js_on_event("document_ready", CustomJS(code=NAMES))
+    doc.js_on_event("document_ready", CustomJS(code=NAMES), CustomJS(code=FILES))
     pn.extension("tabulator", theme="dark" if theme == "dark" else "default")
     scene, _, notes = scene_from_address(arguments)
     page = back(scene)

@@ -19,6 +19,7 @@ from app.lab.base import WIDE, LabPage
 from app.service import tasks
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
+from app.session.orders import LARGEST
 from solver import Scene
 from solver.analysis.measurement import Measurement
 from solver.plots import measured_curves, residuals
@@ -35,7 +36,6 @@ FREE = {  # label: parameter that can be free
     "scale of F": "scale_F",
     "zero of F": "offset_F",
 }
-LARGEST = 2_000_000  # bytes of a file
 LONG = 120.0  # s, time limit of a fit
 SEEDS = 2**32  # number of seeds of example data
 HOW = {"rank": HEAVY, "seconds": LONG, "private": True, "streams": True}

@@ -1,8 +1,11 @@
 """The routes of a really started server are those of app/routes.py, whatever Panel, Bokeh and options add."""
 
+import contextlib
+import http.client
 import json
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -71,3 +74,18 @@ def test_a_started_server_has_the_listed_routes_and_no_others(command, removed):
     panel = [pattern for pattern, _ in kept if pattern.startswith("/static/extensions/panel/")]
     assert len(panel) == 1 and [tuple(each) for each in kept if each[0] != panel[0]] == SERVED
     assert dropped == removed
+
+
+@pytest.mark.slow
+def test_a_server_of_the_file_alone_ends_with_a_sentence_at_the_first_visit():
+    """It has run no hooks, so that routes of Panel are open, one of which imports what a visitor names."""
+    command = [Path(sys.executable).parent / "panel", "serve", "app/main.py", "--port", "0", "--address", "127.0.0.1"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
+        try:
+            address = next(line for line in server.stdout if "running at" in line).split()[-1]
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                urllib.request.urlopen(address, timeout=120)
+            assert server.wait(120) != 0
+            assert "Serve the folder: panel serve app" in server.stdout.read()
+        finally:
+            server.kill()

@@ -37,3 +37,13 @@ def test_a_moved_slider_changes_the_scene_that_the_experiment_gets_back(visit):
     entry.fill("40")
     entry.press("Enter")
     page.locator("a[href*='E=40']").wait_for()
+
+
+def test_a_file_larger_than_a_page_reads_is_refused_before_it_is_sent_and_the_connection_stays(visit):
+    page = visit(QUICK.replace("?", "?lab=fit&"))
+    entry = page.locator("input[type=file]")
+    entry.set_input_files({"name": "long.csv", "mimeType": "text/csv", "buffer": b"1,2\n" * 1_100_000})
+    page.get_by_text("long.csv has 4.4 MB, allowed: 2 MB. Thin it out.").wait_for()
+    entry.set_input_files({"name": "odd.csv", "mimeType": "text/csv", "buffer": b"a,b\nc,d\n"})
+    page.locator("p[role=alert]", has_text="MB").wait_for(state="hidden")
+    page.get_by_text("heading a,b").wait_for()

@@ -39,6 +39,14 @@ class Tab:
 
     async def arrive(self, query=""):
         """Load the page, connect, and find the model through which everything passes."""
+        await self.connect(query)
+        await self.message("ACK")
+        await self.send("PULL-DOC-REQ", {})
+        reply = await self.message("PULL-DOC-REPLY")
+        self.wire = wire_of(reply.content["doc"])
+
+    async def connect(self, query=""):
+        """Load the page and connect, without a word."""
         address = f"http://127.0.0.1:{self.port}/app{query}"
         page = await asyncio.to_thread(lambda: urllib.request.urlopen(address, timeout=PATIENCE).read().decode())
         token = re.search(r'"token":"([^"]+)"', page)[1]
@@ -47,10 +55,6 @@ class Tab:
         request = HTTPRequest(f"ws://127.0.0.1:{self.port}/app/ws", headers=headers)
         self.socket = await websocket_connect(request, subprotocols=["bokeh", token], max_message_size=2**28)
         self.socket.protocol.set_nodelay(True)  # as browsers do
-        await self.message("ACK")
-        await self.send("PULL-DOC-REQ", {})
-        reply = await self.message("PULL-DOC-REPLY")
-        self.wire = wire_of(reply.content["doc"])
 
     async def send(self, kind, content):
         self.sent += 1

@@ -4,8 +4,9 @@
 server itself, on loopback, and is bounded by its number of messages. Orders are those that the session declares, with
 values that fit, or nearly. `--flood` sends valid orders and the longest messages, as fast as possible; `--pins` sends
 runs to pin, each of another scene. Before, it requests addresses that Panel and Bokeh would serve, and sends halves of
-long requests. It prints tracebacks, memory, the lag of the server's loop, and whether every visitor's runs came to
-their end. It exits with 1 if a traceback was logged, a visitor is stuck, or an address that is not listed was answered.
+long requests. Afterwards silent connections fill the server. It prints tracebacks, memory, the lag of the server's
+loop, whether every visitor's runs came to their end, and when a place is free again. It exits with 1 if a traceback was
+logged, a visitor is stuck, silence keeps others out, or an address that is not listed was answered.
 """
 
 import argparse
@@ -20,11 +21,13 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
+from urllib.error import HTTPError
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from client import Server, Tab, summary, tell
 
+from app.environment import VISITORS
 from app.session import orders
 from app.session.extras import Film, Layer, Pinned
 from app.session.pursuit import Pursuit
@@ -162,6 +165,26 @@ def half_sent(server, number=4, size=80_000_000):
     return round(before, 1), round(during, 1)
 
 
+async def silent(port, most=120.0):
+    """Return (silent connections that fill the server, s until a page opens again, or None within `most` s).
+
+    The time counts from the first connection, as the first one ends first.
+    """
+    tabs, start = [Tab(port, number) for number in range(VISITORS)], time.monotonic()
+    for tab in tabs:
+        with suppress(HTTPError):  # visitors are here: the server is full before
+            await tab.connect()
+    while time.monotonic() < start + most:
+        try:
+            await Tab(port, 0).connect()
+        except HTTPError:
+            await asyncio.sleep(1.0)
+        else:
+            break
+    seconds = time.monotonic() - start
+    return sum(hasattr(tab, "socket") for tab in tabs), round(seconds, 1) if seconds < most else None
+
+
 async def stranger(port, number, count, seed, say):
     """Sends its messages, coming back whenever it is thrown out; how often it was."""
     dice, thrown, tab = random.Random(1000 * seed + number), 0, None
@@ -235,6 +258,7 @@ async def attack(server, options):
     share, say = options.messages // options.clients, flood if options.flood else pins if options.pins else speak
     thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed, say) for k in range(options.clients)))
     seconds, told = time.monotonic() - start, server.metrics()
+    places = await silent(server.port)
     start = time.perf_counter()
     last = Tab(server.port, 99)
     await last.arrive()
@@ -257,6 +281,7 @@ async def attack(server, options):
         "MB every 5 s": await watch,
         "visitors' runs": summary([time for times, _ in seen for time in times]),
         "visitors stuck": [why for _, why in seen if why],
+        "silent connections, s until a place is free": places,
         "a visit afterwards": round(after, 2),
     }
 
@@ -277,7 +302,9 @@ def main():
         if report["tracebacks"]:
             print("".join(line for line in server.lines if "Traceback" in line))
     tell(report, options.json)
-    sys.exit(any(report[name] for name in ("tracebacks", "visitors stuck", "unlisted, but answered")))
+    full, free = report["silent connections, s until a place is free"]
+    bad = any(report[name] for name in ("tracebacks", "visitors stuck", "unlisted, but answered"))
+    sys.exit(bad or full < VISITORS // 2 or free is None)
 
 
 if __name__ == "__main__":
