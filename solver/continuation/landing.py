@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from .state import End, NotConverged
-from .transient import TRANSIENT, TooLong, Transient, TransientOptions, Trial
+from .transient import TRANSIENT, TooLong, Transient, Trial
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,6 @@ class LandingOptions:
     # may then lie on another branch, or farther along the same one. Values of 0.1 and 0.4 change no slip of
     # tests/bench/constants.py
     raised: float = 0.2
-    transient: TransientOptions = TRANSIENT
 
 
 LANDING = LandingOptions()
@@ -50,7 +49,7 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     The state's load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
     critical; closed: as of `motion.Motion`. Raises NotConverged.
     """
-    motion = partial(_moved, problem, end, judge=judge, damping=damping, closed=closed, options=options.transient)
+    motion = partial(_moved, problem, end, judge=judge, damping=damping, closed=closed)
     state, stalled = motion(USUAL)
     slip = end._replace(after=state)
     if end.sensitive or _wandered(problem, end, slip.after, options):
@@ -58,12 +57,15 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     starts = (FARTHER,) * (end.kind == "flutter") + (DISTURBED,) * problem.alike(end.v)
     finer, agreeing = _finer(problem.sites(end.v, state.v), stalled, options)
     may_change = not starts  # where the start matters, any disagreement is one too many
-    for trial in (*starts, *finer):
-        if trial not in starts and not agreeing:
+    for trial in starts:
+        if not _same(problem, slip.after, _tried(motion, problem, end, trial, options), options):
+            return slip._replace(sensitive=True)
+    for trial in finer:
+        if not agreeing:
             break
         state = _tried(motion, problem, end, trial, options)
         if _same(problem, slip.after, state, options):
-            agreeing -= trial not in starts
+            agreeing -= 1
         elif not may_change:
             return slip._replace(sensitive=True)
         else:  # the finer motion is right, if the next one agrees with it
@@ -105,13 +107,13 @@ def _same(problem, state, other, options):
     return bool(np.abs(other.v - state.v).max() <= options.same * problem.unit + 2.0 * rise)
 
 
-def _moved(problem, end, trial, options, **how):
+def _moved(problem, end, trial, **how):
     """What `Transient.to_rest` returns, with the longest steps that lead there."""
     # with other steps a trial would be another one
-    for finer in options.finer if trial is USUAL else options.finer[:1]:
+    for finer in TRANSIENT.finer if trial is USUAL else TRANSIENT.finer[:1]:
         try:
             slower = trial._replace(finer=finer * trial.finer)
-            return Transient(problem, end, slower, options=options, **how).to_rest()
+            return Transient(problem, end, slower, **how).to_rest()
         except TooLong as failure:
             last = failure
     raise last

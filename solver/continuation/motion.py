@@ -16,7 +16,7 @@ Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRe
 """
 
 from dataclasses import dataclass
-from math import ceil, isfinite, log2, sqrt
+from math import ceil, log2, sqrt
 
 import numpy as np
 from numba import njit
@@ -142,11 +142,6 @@ class Creep(Motion):
     def swing(self) -> np.ndarray:
         """Zero: without inertia, nothing goes on."""
         return np.zeros_like(self.y)
-
-
-def motion_of(dynamics, y, load, damping, closed, options: MotionOptions = MOTION) -> Motion:
-    """The Motion of a slip at that damping, over critical; inf: Creep."""
-    return (Motion if isfinite(damping) else Creep)(dynamics, y, load, damping, closed, options)
 
 
 def of_blocks(k, function) -> np.ndarray:

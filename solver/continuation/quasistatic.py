@@ -1,48 +1,34 @@
 """The quasi-static stepper continues a branch to its end, and lets the damped motion lead on from there."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from .branch import BRANCH, BranchOptions, continue_branch
-from .corrector import CORRECTOR, Corrector, CorrectorOptions
-from .landing import LANDING, LandingOptions, motion_to_rest
+from .branch import continue_branch
+from .corrector import Corrector
+from .landing import motion_to_rest
 from .rest import REST, Judge, RestOptions
 from .state import End, Increment, NotConverged, State, slipped
 
-
-@dataclass(frozen=True)
-class QuasiStaticOptions:
-    """Of the stepper, with those of its parts."""
-
-    slips: int = 100  # most slips of an increment; soft layers that jump into contact make some ten
-    corrector: CorrectorOptions = CORRECTOR
-    branch: BranchOptions = BRANCH
-    rest: RestOptions = REST
-    landing: LandingOptions = LANDING
-
-
-QUASISTATIC = QuasiStaticOptions()
+SLIPS = 100  # most slips of an increment; soft layers that jump into contact make some ten
 
 
 class QuasiStatic:
     """Advances States of one `problem` along its load; keeps only scratch between calls."""
 
-    def __init__(self, problem, damping, closed, options: QuasiStaticOptions = QUASISTATIC):
-        """damping: over critical; closed: as of `motion.Motion`."""
-        self.problem, self.damping, self.closed, self.options = problem, damping, closed, options
-        self.judge, self.corrector = Judge(damping, options.rest), Corrector(problem, options.corrector)
+    def __init__(self, problem, damping, closed, rest: RestOptions = REST):
+        """damping: over critical; closed: as of `motion.Motion`; rest: how often a growing mode is searched for."""
+        self.problem, self.damping, self.closed = problem, damping, closed
+        self.judge, self.corrector = Judge(damping, rest), Corrector(problem)
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""
-        options, slips = self.options, list[End]()
-        while len(slips) <= options.slips:
+        slips = list[End]()
+        while len(slips) <= SLIPS:
             reached = self._judged(state) if state.unsure else state
             if isinstance(reached, State):
                 reached = self._continued(reached, target)
             if isinstance(reached, End):
                 before = state
-                slip = motion_to_rest(self.problem, reached, self.judge, self.damping, self.closed, options.landing)
+                slip = motion_to_rest(self.problem, reached, self.judge, self.damping, self.closed)
                 state = slip.after
                 if reached.located or slipped(self.problem, before, reached.load, state):
                     slips.append(slip)
@@ -51,14 +37,14 @@ class QuasiStatic:
             else:
                 state = reached
             return Increment(state, tuple(slips))
-        raise NotConverged(f"more than {options.slips} slips in one increment, residual {state.residual:.2g} nm")
+        raise NotConverged(f"more than {SLIPS} slips in one increment, residual {state.residual:.2g} nm")
 
     def _continued(self, state, target):
         """The State at load `target` on the branch of `state`, or the End before it."""
         secants = state.secants.copy() if state.secants else self.corrector.secants()  # solving adds to them
         state = state._replace(secants=secants)
         self.corrector.begin(state)
-        return continue_branch(self.corrector, self.judge, state, target, self.options.branch)
+        return continue_branch(self.corrector, self.judge, state, target)
 
     def _judged(self, state):
         """The State itself, if it is stable under the load that takes over; else the End where it leaves."""

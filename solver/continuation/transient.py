@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .corrector import CORRECTOR, Corrector, CorrectorOptions
-from .motion import MOTION, MotionOptions, motion_of
+from .corrector import CORRECTOR, Corrector
+from .motion import Creep, Motion
 from .state import NotConverged, Restless, State
 
 
@@ -65,8 +65,6 @@ class TransientOptions:
     stalled: float = 0.3
     stalls: int = 50  # most states kept for that; so many mean that it has stalled
     diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
-    motion: MotionOptions = MOTION
-    corrector: CorrectorOptions = CORRECTOR
 
 
 TRANSIENT = TransientOptions()
@@ -100,7 +98,7 @@ class Transient:
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
         y = problem.motion().start(self.v, self.load)
-        self.motion = motion_of(problem.motion(), y, self.load, damping, closed, options.motion)
+        self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
         self.pace = options.slow if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
         self._speeds, self._stalls = (0.0, 0.0), list[np.ndarray]()  # nm per time, at the last two checks
@@ -189,11 +187,11 @@ class Transient:
 
     def _rest_near(self):
         """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
-        corrector = Corrector(self.problem, self.options.corrector)
+        corrector = Corrector(self.problem)
         corrector.begin(State.at_rest(self.load, self.v))
         secants = corrector.secants()
         solution = corrector.solve(self.v, self.load, secants)
-        if solution is None or np.abs(solution.v - self.v).max() > self.options.corrector.longest * self.unit:
+        if solution is None or np.abs(solution.v - self.v).max() > CORRECTOR.longest * self.unit:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
         self.mode = self.judge.rightmost(self.problem, solution.v, self.mode)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..continuation.gfmd import Gfmd
-from ..continuation.quasistatic import QuasiStatic, QuasiStaticOptions
+from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import advanced
 from ..continuation.rest import RestOptions
 from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
@@ -29,7 +29,7 @@ ALL = frozenset({"patch", "translation"})
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
-DRIVEN = QuasiStaticOptions(rest=RestOptions(far=0.0))
+DRIVEN = RestOptions(far=0.0)
 BUSY = 10.0  # s beyond its limit of processor time that an increment may take, as other processes may need the cores
 
 
@@ -168,7 +168,7 @@ class Run:
         scene = self.scene
         problem = step.problem(Contact(scene, *self.patch), checkpoint.pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
-        options = {"options": DRIVEN} if self._fast and sudden else {}
+        options = {"rest": DRIVEN} if self._fast and sudden else {}
         method = METHODS.get(self.method, self.method)
         self.stepper, self._place = method(problem, scene.damping, closed_stiffness(scene), **options), place
         return self.stepper
