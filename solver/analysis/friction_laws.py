@@ -9,7 +9,7 @@ import numpy as np
 from ..continuation.state import NotConverged
 from ..run.frame import slips_in
 from ..run.load_steps import ROUND_OFF
-from ..run.loadpath import Checkpoint, extended
+from ..run.loadpath import Checkpoint
 from ..run.slices import advance
 from ..scene import LARGEST_RUN, SceneError
 
@@ -17,7 +17,6 @@ from ..scene import LARGEST_RUN, SceneError
 # paper shows nine loads and names some; the others are ours.
 INTERFACES = "fig8-black", "fig8-red", "fig8-blue"
 INDENTATIONS = (-0.3, -0.2, -0.15, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6)
-CREEP = 1e-6  # growth of the reach that is no reason to go on: the strength of a surface at rest changes by round-off
 # points per lattice period of the flat interface's branches: the maximum of a sine lies between two of them, and is
 # (pi/FINE)^2/2 = 7e-8 above the higher one
 FINE = 8192
@@ -41,8 +40,8 @@ class Onset:
 def onset(scene) -> Onset:
     """The Onset of a scene, with u_x_max extended as needed; raises NotConverged as load_path does.
 
-    Without a slip up to `reach`, the run goes on to the `reach` of the strength that its springs had under pressure, as
-    far as the scene allows.
+    Without a slip, the run ends at its u_x_max, or farther: at the `reach` of the strength of its springs under
+    pressure, as far as the scene allows.
     """
     search = Search()
     while search.outcome is None:
@@ -55,37 +54,33 @@ class Search:
     """The state of a search for an onset, picklable; outcome: the Onset, or None as long as the search goes on."""
 
     checkpoint: Checkpoint | None = None
-    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar, A_bar by the count of nodes, strength in GPa) in shear
-    end: float = 0.0  # nm, of the run in hand
+    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar, A_bar by the count of nodes) in shear
+    end: float = 0.0  # nm, where the search ends without a slip
     outcome: Onset | None = None
 
 
 def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     """The Search after some `budget` more seconds; raises NotConverged. limit: as of `advance`."""
-    end = search.end or reach(scene)
-    longer = _extended(scene, end)
-    frames, checkpoint = advance(longer, search.checkpoint, budget, limit=limit)
-    rows = list(search.rows)
+    frames, checkpoint = advance(_longest(scene), search.checkpoint, budget, limit=limit)
+    rows, end = list(search.rows), search.end or max(scene.u_x_max, reach(scene))
     for frame in (frame for frame in frames if frame.stage == "shear"):
         nodes = np.count_nonzero(frame.T[1] > 0.0) / scene.nodes
         if slips := slips_in(frame):
             at = slips[0]
-            return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar, nodes, 0.0)], True))
+            return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar, nodes)], True))
+        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes))
         gap = scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
         strength = tau_max(scene) * float(np.exp(-gap / scene.delta_n).sum()) / scene.nodes  # the springs' mean there
-        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes, strength))
+        end = max(end, reach(scene, strength))
+        if frame.U_x >= end:
+            return Search(outcome=_onset(rows, False))
     if checkpoint.failure:
         raise NotConverged(checkpoint.failure)
-    if not checkpoint.done:
-        return Search(checkpoint, tuple(rows), search.end)
-    farther = reach(scene, max(row[-1] for row in rows))
-    if farther <= (1.0 + CREEP) * max(end, scene.u_x_max) or _extended(scene, farther).u_x_max <= longer.u_x_max:
-        return Search(outcome=_onset(rows, False))
-    return Search(extended(checkpoint), tuple(rows), farther)
+    return Search(outcome=_onset(rows, False)) if checkpoint.done else Search(checkpoint, tuple(rows), end)
 
 
 def _onset(rows, slipped):
-    U, F, A, L, nodes, _ = np.array(rows).T.copy()
+    U, F, A, L, nodes = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
     return Onset(*end, float(A[0]), U, F, A, L, float(nodes[-2:][0] if slipped else nodes[-1]))
 
@@ -100,12 +95,15 @@ def reach(scene, strength=None) -> float:
     return 2.0 * (strength * scene.shear_compliance + 2.0 * scene.spacing)
 
 
-def _extended(scene, end):
-    longest = min(max(scene.u_x_max, end), LARGEST_RUN * scene.du_x * scene.delta_t)
-    try:
-        return scene.changed(u_x_max=longest, path="shear")
-    except SceneError:  # on a soft layer, so long a run is beyond its tolerance
-        return scene.changed(path="shear")
+def _longest(scene):
+    """The scene with the largest u_x_max that it allows, to a factor of two."""
+    longest = 0.5 * LARGEST_RUN * scene.du_x * scene.delta_t
+    while longest > scene.u_x_max:
+        try:
+            return scene.changed(u_x_max=longest, path="shear")
+        except SceneError:  # on a soft layer, so long a run is beyond its tolerance
+            longest *= 0.5
+    return scene.changed(path="shear")
 
 
 @dataclass(frozen=True)

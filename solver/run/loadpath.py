@@ -78,11 +78,6 @@ def until(
             return
 
 
-def extended(checkpoint: Checkpoint) -> Checkpoint:
-    """The Checkpoint of a run at its end as one of a Scene with a larger u_x_max, but else the same."""
-    return checkpoint._replace(done=False, increment=checkpoint.increment + 1, load_steps=None)
-
-
 def deadline(limit: float, busy: float = BUSY) -> Callable[..., None] | None:
     """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock."""
     if limit == inf:
