@@ -7,6 +7,7 @@ from html import escape
 from importlib.util import find_spec
 from itertools import cycle
 from math import isfinite
+from operator import attrgetter
 from os import PathLike
 from pathlib import Path
 from textwrap import wrap
@@ -131,28 +132,35 @@ def friction_over_load(table: pd.DataFrame) -> hv.Overlay:
     return (points.opts(size=8, tools=["hover"], **SIZES["bokeh"], **colour, backend="bokeh")) * hv.VLine(0.0)
 
 
-def work_precision(points: Iterable[Any], work: str, before: Iterable[Any] = ()) -> hv.Overlay:
-    """Error before the first slip over `work`, seconds or evaluations, of runs at the tolerances beside the points.
+def work_precision(
+    points: Iterable[Any],
+    work: str,
+    before: Iterable[Any] = (),
+    error: Callable[[Any], float | None] = attrgetter("branch_error"),
+    label: str = "largest relative error",
+    swept: str = "tolerance",
+) -> hv.Overlay:
+    """Error over `work`, seconds or evaluations, of runs at the values of `swept` beside the points.
 
-    points: as of `accuracy.compare.Point`.
-    before: other runs, drawn pale.
+    points: as of `accuracy.compare.Point`; before: other runs, drawn pale; error, label: of the vertical axis.
     """
     import holoviews as hv
 
     _ready()
-    kdim, error = hv.Dimension(work, label=WORKS[work]), hv.Dimension("error", label="largest relative error")
+    kdim, vdim = hv.Dimension(work, label=WORKS[work]), hv.Dimension("error", label=label)
     parts = []
     for runs, alpha in ((before, 0.3), (points, 1.0)):
         for name, (colour, marker) in METHODS.items():
-            own = [p for p in runs if p.series == name and not p.failure and p.branch_error is not None]
-            errors = [max(p.branch_error or 0.0, LEAST) for p in own]
+            own = [p for p in runs if p.series == name and not p.failure and error(p) is not None]
+            errors = [max(error(p) or 0.0, LEAST) for p in own]
             at = [max(getattr(p, work), LEAST) for p in own], errors
-            values = [f"{p.value:.0e}" for p in own]
+            values = [f"{p.value:g}" for p in own]
             look = {"color": colour, "alpha": alpha}
-            marks = hv.Points((*at, values), [kdim, error], hv.Dimension("tolerance", label="tolerance (nm)"))
-            labels = hv.Labels((*at, values if alpha == 1.0 else [""] * len(own)), [kdim, error], "beside")
+            value = hv.Dimension(swept, label=f"{swept} ({LIMITS[swept].unit})")
+            marks = hv.Points((*at, values), [kdim, vdim], value)
+            labels = hv.Labels((*at, values if alpha == 1.0 else [""] * len(own)), [kdim, vdim], "beside")
             parts += [
-                hv.Curve(at, kdim, error, label=name if alpha == 1.0 else "").opts(**look),
+                hv.Curve(at, kdim, vdim, label=name if alpha == 1.0 else "").opts(**look),
                 marks.opts(size=9, marker=marker, tools=["hover"], **look),
                 labels.opts(text_color=colour, text_font_size="9pt", xoffset=0.0, text_align="left"),
             ]

@@ -18,8 +18,7 @@ from app.service.pool import HEAVY
 from solver import Scene
 from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
-from solver.accuracy.report import WORK
-from solver.plots import work_precision
+from solver.plots import WORKS, work_precision
 
 TITLE = "Accuracy"
 STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
@@ -52,8 +51,8 @@ class Accuracy(LabPage):
 
     def content(self) -> list[Any]:
         before = [Point(**row) for row in STORED["points"]]
-        draw = {work: lambda points, work=work: work_precision(points, work, before) for work in WORK}
-        plots = [hv.DynamicMap(pn.bind(draw[work], self.param.points)) for work in WORK]
+        draw = {work: lambda points, work=work: work_precision(points, work, before) for work in WORKS}
+        plots = [hv.DynamicMap(pn.bind(draw[work], self.param.points)) for work in WORKS]
         return [pn.FlexBox(*(pn.pane.HoloViews(plot, styles=WIDE) for plot in plots))]
 
 

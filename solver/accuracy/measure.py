@@ -21,7 +21,6 @@ SWEEPS = {
 }
 SERIES: dict[str, Method] = {"fast": "fast", "gfmd": "gfmd"}  # name: method of `load_path`
 REPEATS = 3  # of a run of fast, which is short: the shortest time counts
-LEAST = {"seconds": 1e-4, "evaluations": 1, "error": 1e-13}  # drawn on logarithmic axes, which have no zero
 
 
 class Effort(NamedTuple):

@@ -3,34 +3,19 @@
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..cautions import flutter
 from ..scene import LIMITS
 from ..text import changes
 from .compare import QUANTITIES, Point
 from .document import Document, Section
-from .measure import FULL, LEAST, QUICK, SWEEPS, Report
+from .measure import FULL, QUICK, SWEEPS, Report
 
-
-class Style(NamedTuple):
-    """The look of a series in colours of Okabe & Ito, which colour-blind readers distinguish; markers for print."""
-
-    colour: str
-    marker: str
-    below: int  # pixels between a point and the value beside it
-
-
-STYLE = {
-    "fast": Style("#0072B2", "circle", 5),
-    "gfmd": Style("#D55E00", "square", 5),
-}
-WORK = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
 ERRORS: dict[str, tuple[str, Callable]] = {  # sweep: name of the error that its diagrams show, and its value
     "tolerance": ("F, L, A before the first slip: largest relative error", lambda p: p.branch_error),
     "du_x": ("largest error of a slip's position [nm]", lambda p: p.worst("position")),
 }
-WIDER = 2.5  # factor of the largest work at which the axis ends, for the value beside the last point
 VISIBLE = 1e-4  # of the largest value: an error that no plot shows, and no experiment on adhesion resolves
 FINER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
@@ -151,48 +136,16 @@ def document(report: Report) -> Document:
 
 
 def _diagrams(report, sweep):
-    return [_diagram(report, sweep, work) for work in WORK if _drawn(report, sweep)]
+    """A diagram over each work; none where no run of the sweep has an error."""
+    import holoviews as hv
 
-
-def _drawn(report, sweep, series=None):
-    error = ERRORS[sweep][1]
-    return [p for p in report.of(sweep, series) if not p.failure and error(p) is not None]
-
-
-def _diagram(report, sweep, work):
-    """One pair of axes: a curve with markers for each series."""
-    from bokeh.plotting import figure
-
-    def columns(points):
-        at = {axis: [max(value(p), LEAST[least]) for p in points] for axis, least, value in axes}
-        return at | {"name": [f"{p.value:g}" for p in points]}
+    from ..plots import WORKS, work_precision
 
     label, error = ERRORS[sweep]
-    axes = (("x", work, lambda p: getattr(p, work)), ("y", "error", error))
-    spent = columns(_drawn(report, sweep))["x"]
-    shown = figure(
-        x_axis_type="log",
-        y_axis_type="log",
-        x_range=(min(spent) / WIDER**0.5, max(spent) * WIDER),
-        x_axis_label=WORK[work],
-        y_axis_label=label,
-        title=f"{sweep} swept [{LIMITS[sweep].unit}]: values beside the points",
-        tools="hover",
-        tooltips=[(sweep, "@name"), (work, "@x"), ("error", "@y")],
-        toolbar_location=None,
-        width=550,
-        height=430,
-    )
-    for series, style in STYLE.items():
-        if points := _drawn(report, sweep, series):
-            look = {"source": columns(points), "color": style.colour, "legend_label": series}
-            look["source"] = shown.scatter("x", "y", size=10, marker=style.marker, **look).data_source
-            shown.line("x", "y", width=2, **look)
-            beside = {"text_font_size": "9pt", "x_offset": 8, "y_offset": style.below}
-            shown.text("x", "y", "name", source=look["source"], color=style.colour, **beside)
-    shown.legend.update(orientation="horizontal", border_line_alpha=0.0, label_text_font_size="8pt")
-    shown.add_layout(shown.legend[0], "above")
-    return shown
+    points, unit = [p for p in report.of(sweep) if not p.failure and error(p) is not None], LIMITS[sweep].unit
+    look = {"responsive": False, "width": 550, "height": 430, "title": f"{sweep} swept [{unit}]: values beside points"}
+    overlays = [work_precision(points, work, error=error, label=label, swept=sweep) for work in WORKS if points]
+    return [hv.render(overlay.opts(**look), backend="bokeh") for overlay in overlays]
 
 
 def data(report: Report) -> dict[str, Any]:
