@@ -34,11 +34,11 @@ from .outputs import explicit, gradients, over_own
 from .partial import Change, Pulled, States, continuous
 
 Floats = NDArray[np.float64]
-FINE = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
+RESIDUAL = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
 NEWTON = 4  # most steps that solve a state to the scene's tolerance: from 1e-5 nm it takes one or two
 CORRECTED = 1e-4  # accuracy of the linear solve of such a step: the rest of 1e-5 nm moves derivatives by 1e-9
 ACCURACY = 1e-9  # of a linear solve; derivatives are asked for to 1e-5, and amplified near a fold
-ALONG = 1e-7  # the same at states along a branch, where nothing is amplified
+ACCURACY_ALONG = 1e-7  # the same at states along a branch, where nothing is amplified
 SHARP = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
 
 
@@ -176,13 +176,13 @@ class _Differentiator:
         self.scene, self.first = skeleton.scene, skeleton.first
         scene, held = self.scene, skeleton.held
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)
-        self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta)).solved_to(FINE)
+        self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta)).solved_to(RESIDUAL)
         loose = scene.changed(tolerance=LIMITS["tolerance"].high)  # without effect on Changes, but not on valid scenes
         self.changes = [Change.of(loose, name) for name in (continuous(scene) if names is None else names)]
         self.pressure_by = np.zeros(len(self.changes))
         self.pressure_nodes = np.zeros(skeleton.nodes)  # by the strength of each node of the patch
         if held is not None:
-            self._carry(self.settled(held.v, 0.0, tolerance=FINE))
+            self._carry(self.settled(held.v, 0.0, tolerance=RESIDUAL))
 
     def _carry(self, state):
         """From now on hold the load of a state at given indentation."""
@@ -192,7 +192,7 @@ class _Differentiator:
         self.pressure_by = np.array([np.sum(y * T_p) + x @ r_p for (T_p,), (r_p,) in self.by_parameters([state])])
         self.pressure_nodes = (y * state.T).sum(axis=0)
         held = Equilibrium(self.contact, sideways(1.0, 0.0), self.contact.pressure(state.T[1]))
-        self.problem = held.solved_to(FINE)
+        self.problem = held.solved_to(RESIDUAL)
 
     @property
     def held(self) -> bool:
@@ -237,7 +237,7 @@ class _Differentiator:
         solutions: list[tuple[Floats, Floats]] = []
         for i in range(n - (fold is not None)):
             passed = branch.states[i]
-            state = self.settled(passed.v, passed.load, ALONG)
+            state = self.settled(passed.v, passed.load, ACCURACY_ALONG)
             outputs[1:, i] = forces_and_area(self.scene, state.T)
             solutions.append(self.adjoints(state, gradients(self.scene, state.T)))
             slope[:, i] = solutions[-1][1] @ self.problem.direction

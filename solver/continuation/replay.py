@@ -7,7 +7,7 @@ import numpy as np
 from .corrector import Corrector
 from .problem import Stepper
 from .state import Increment, State
-from .trace import FEWEST, SAME, STENCIL, Branch, Trace
+from .trace import FEWEST_STATES, SAME_STATE, STENCIL, Branch, Trace
 
 
 def advanced(
@@ -37,7 +37,7 @@ def advanced(
 
 def _describes(trace):
     """Whether states can be interpolated; short branches to a slip are nearly straight, smooth sliding is not."""
-    return not trace.branches[0].periodic or len(trace.branches[0].states) > FEWEST
+    return not trace.branches[0].periodic or len(trace.branches[0].states) > FEWEST_STATES
 
 
 def _repeated(problem, state, target, trace):
@@ -53,8 +53,8 @@ def _repeated(problem, state, target, trace):
     passed = branch.at(load)
     guess = passed.v + shift * problem.direction
     corrector = Corrector(problem)
-    secants = corrector.secants()  # those of a state near a fold may lead to the branch beyond it
-    solution = corrector.solve(guess, target, secants)
+    # secant pairs of a state near a fold may lead to the branch beyond it, so that none are kept
+    solution = corrector.solve(guess, target, corrector.secants())
     if solution is None or not _same(problem, guess, solution.v, branch, load):
         return None
     v = solution.v
@@ -62,16 +62,16 @@ def _repeated(problem, state, target, trace):
         trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
     slips = trace.slips_between(state.load, target, problem.direction)
     past = [(target, v)] if slips else [(target, v), *state.past[:4]]
-    reached = State(target, v, past, secants, state.sharp, state.mode, False, solution.residual)
+    reached = State(target, v, past, None, state.sharp, state.mode, False, solution.residual)
     return Increment(reached, slips, True), trace
 
 
 def _same(problem, guess, v, branch: Branch, load):
-    """Whether v, solved for from the interpolated `guess`, is the same state.
+    """Whether v, solved for from the interpolated `guess`, is that state, and not one of another branch.
 
-    Towards flutter a branch may bend sharply: as far as interpolation with fewer states differs is allowed for.
+    Towards flutter a branch bends sharply, so v may differ by the estimated error of the interpolation, too.
     """
-    same, off = SAME * problem.unit, np.abs(v - guess).max()
+    same, off = SAME_STATE * problem.unit, np.abs(v - guess).max()
     if off <= same:
         return True
     coarser = branch.at(load, STENCIL - 2).v - branch.at(load).v

@@ -18,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .state import TINY, End, Increment, Point, State
 
-SAME = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
+SAME_STATE = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
 STENCIL = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
-NEAR = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
+SAME_LOAD = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
 STATES = 128  # states of a Trace: a period of four sites has 100; with 64, such runs take half as many evaluations more
-FEWEST = 2 * STENCIL  # states of a branch that is thinned: half of fewer would not do for interpolation
+FEWEST_STATES = 2 * STENCIL  # states of a branch that is thinned: half of fewer would not do for interpolation
 
 
 def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
@@ -81,14 +81,14 @@ class Branch:
 
     def added(self, state: Point) -> "Branch":
         """The same with one more state, unless there is one at its load."""
-        i = bisect_left(self.states, state.load - NEAR, key=lambda passed: passed.load)
-        if i < len(self.states) and self.states[i].load <= state.load + NEAR:
+        i = bisect_left(self.states, state.load - SAME_LOAD, key=lambda passed: passed.load)
+        if i < len(self.states) and self.states[i].load <= state.load + SAME_LOAD:
             return self
         return replace(self, states=(*self.states[:i], state, *self.states[i:]))
 
     def ended(self, slip: End) -> "Branch":
         """The same up to its end; no other state has that load."""
-        before = tuple(state for state in self.states if state.load < slip.load - NEAR)
+        before = tuple(state for state in self.states if state.load < slip.load - SAME_LOAD)
         return Branch((*before, Point(slip.load, slip.v)), slip._replace(after=None))
 
     def without(self, out: NDArray[np.int_]) -> "Branch":
@@ -208,7 +208,7 @@ class Trace:
         trace = self
         while sum(len(branch.states) for branch in trace.branches) > STATES:
             longest = max(trace.branches, key=lambda branch: len(branch.states))
-            if len(longest.states) >= FEWEST:
+            if len(longest.states) >= FEWEST_STATES:
                 trace = trace._with(longest, longest.thinned(len(longest.states) - 1))
             elif trace.period and not trace.home:  # all of them are needed
                 break
@@ -225,13 +225,13 @@ class Trace:
             return self._smooth(problem, spacing)
         landed, first = self.branches[-1].states[0], self.branches[0].start
         slip = self.branches[-2].end
-        for sites in range(1, floor((slip - first + NEAR) / spacing) + 1):
+        for sites in range(1, floor((slip - first + SAME_LOAD) / spacing) + 1):
             period = sites * spacing
             home = landed.load - period
             branch = self.branch_at(max(home, first))
             if branch is None or len(branch.states) < 2:
                 continue
-            if _apart(branch.at(home).v + period * problem.direction, landed.v) <= SAME * problem.unit:
+            if _apart(branch.at(home).v + period * problem.direction, landed.v) <= SAME_STATE * problem.unit:
                 return self._from(branch, landed, period, problem.direction)
         return self
 
@@ -241,11 +241,11 @@ class Trace:
         if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
             return self
         *branches, last = self.branches[:-1]
-        after = None if landed.load <= last.end + NEAR else State(landed.load, landed.v, [])
+        after = None if landed.load <= last.end + SAME_LOAD else State(landed.load, landed.v, [])
         branches.append(replace(last, slip=last.slip._replace(after=after)))
         if home < self.branches[0].start:  # the slip lands in a state from before the run began
             branches[k] = branches[k].added(Point(home, landed.v - period * direction))
-        while (n := int(np.searchsorted(branches[k].loads, home)) - STENCIL) > FEWEST:  # they are not repeated
+        while (n := int(np.searchsorted(branches[k].loads, home)) - STENCIL) > FEWEST_STATES:  # they are not repeated
             branches[k] = branches[k].thinned(n)
         return replace(self, branches=tuple(branches), home=k, period=period)
 
@@ -253,15 +253,15 @@ class Trace:
         """Closed by the state a site after the first one, if there was no slip in between."""
         (branch,), (load, v) = self.branches, self.branches[0].states[0]
         end = Point(load + spacing, v + spacing * problem.direction)
-        if branch.end < end.load - NEAR or _apart(branch.at(end.load).v, end.v) > SAME * problem.unit:
+        if branch.end < end.load - SAME_LOAD or _apart(branch.at(end.load).v, end.v) > SAME_STATE * problem.unit:
             return self
-        states = (*(state for state in branch.states if state.load < end.load - NEAR), end)
+        states = (*(state for state in branch.states if state.load < end.load - SAME_LOAD), end)
         return replace(self, branches=(Branch(states, periodic=True),), period=spacing)
 
     def branch_at(self, load: float) -> Branch | None:
         """The ended branch that holds that load, nm."""
         for branch in reversed(self.branches):
-            if (branch.slip is not None or branch.periodic) and branch.start - NEAR <= load <= branch.end:
+            if (branch.slip is not None or branch.periodic) and branch.start - SAME_LOAD <= load <= branch.end:
                 return branch
         return None
 

@@ -18,17 +18,17 @@ from .moved import NotFollowed, Solver, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
 
-SAME = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not continuous
+DISCRETE = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not continuous
 # parameters that do not change the jump into contact: they belong to the path, or to how it is computed
-PATH = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")
+NOT_OF_THE_JUMP = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")
 HALVES = 2  # A move whose states or folds move too far is halved at most so often: into quarters
 LATER = 1e-6  # nm, rounding: a branch may begin so much later than the state in which a slip lands
 # delta_n, the least gap of nodes outside the patch. Their springs pull with 5e-6 of phi_n/delta_n, 1e-6 of the forces
-NEAREST = 15.0
-FINE = 1e-8  # nm, residual of the state whose load is held: its derivatives are asked for to 1e-5
-FARTHEST = 1.5  # units that this state may move, beside the indentation; farther off, it lies on another branch
-ACCURACY = 1e-3  # relative, of a linear solve: only the sign of its result is used
-APART = 0.1  # units: states farther apart are two equilibria; with and without contact they differ by a unit or more
+OUTSIDE = 15.0
+HELD_RESIDUAL = 1e-8  # nm, residual of the state whose load is held: its derivatives are asked for to 1e-5
+HELD_MOVES = 1.5  # units that this state may move, beside the indentation; farther off, it lies on another branch
+SIGN_ACCURACY = 1e-3  # relative, of a linear solve: only the sign of its result is used
+TWO_STATES = 0.1  # units: states farther apart are two equilibria; with and without contact they differ by a unit
 
 
 @one_thread()
@@ -41,7 +41,7 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
 
     Example: `follow(skeleton_of(Scene()), Scene(E=72.0)).slips`
     """
-    for name in SAME:
+    for name in DISCRETE:
         if getattr(skeleton.scene, name) != getattr(scene, name):
             raise NotFollowed(f"{name} does not change continuously")
     if scene.path != "shear":
@@ -63,7 +63,7 @@ def _in_parts(skeleton, scene, halves, spent):
 
 def _between(old, new, failure):
     """The Scene half-way; raises `failure` where there is none."""
-    changed = {name: (getattr(old, name), getattr(new, name)) for name in LIMITS if name not in SAME}
+    changed = {name: (getattr(old, name), getattr(new, name)) for name in LIMITS if name not in DISCRETE}
     middle = {name: _halfway(a, b) for name, (a, b) in changed.items() if a != b}
     try:
         return new.changed(**middle)
@@ -86,7 +86,7 @@ def moved_at_once(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleto
     finally:
         spent[0] += contact.evaluations
     states = (state for branch in new.branches for state in branch.states)
-    if min(contact.outside(state.v[: 2 * contact.size].reshape(2, -1)) for state in states) < NEAREST * scene.delta_n:
+    if min(contact.outside(state.v[: 2 * contact.size].reshape(2, -1)) for state in states) < OUTSIDE * scene.delta_n:
         raise NotFollowed("nodes outside the patch may interact")
     return new
 
@@ -108,7 +108,7 @@ def _jumps(contact, skeleton):
     scene, old, jumps = contact.scene, skeleton.scene, skeleton.trace.jumps
     if skeleton.lost:
         return None
-    same = all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in PATH)
+    same = all(getattr(old, name) == getattr(scene, name) for name in LIMITS if name not in NOT_OF_THE_JUMP)
     if same and all(np.isfinite(fold.residual) for fold in jumps):
         return jumps
     solver = Solver(Equilibrium(contact, vertical(1.0)))
@@ -155,8 +155,8 @@ def followed_held(contact: Contact, old: Held, deeper: float = 0.0) -> Held:
     Raises NotFollowed where one of them is stable under its load and the other is not.
     """
     problem, what = Equilibrium(contact, sideways(1.0, -contact.scene.delta)), "the state whose load is held"
-    solver = Solver(problem, tolerance=FINE)
-    v = solver.state(old.v, 0.0, what, FARTHEST + abs(deeper) / problem.unit)
+    solver = Solver(problem, tolerance=HELD_RESIDUAL)
+    v = solver.state(old.v, 0.0, what, HELD_MOVES + abs(deeper) / problem.unit)
     kind = "" if _stiffens(problem, v) else "control"
     if old.kind is not None and bool(kind) != bool(old.kind):
         raise NotFollowed(f"{what} is {'un' if kind else ''}stable under it, unlike before")
@@ -166,7 +166,7 @@ def followed_held(contact: Contact, old: Held, deeper: float = 0.0) -> Held:
 def _stiffens(problem, v):
     """Whether the pressure rises with the indentation; else the state is unstable under a held load."""
     linearised, lower = problem.linearised(v), np.repeat([0.0, 1.0], problem.nodes)
-    lowered = Solves(linearised)(lower, accuracy=ACCURACY)  # by a unit of indentation
+    lowered = Solves(linearised)(lower, accuracy=SIGN_ACCURACY)  # by a unit of indentation
     return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0
 
 
@@ -181,5 +181,5 @@ def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
         apart = solver.state(solver.problem.undeformed(0.0), 0.0, "the state without contact", np.inf)
     except NotFollowed:
         return
-    if np.abs(apart - reached).max() > APART * solver.problem.unit:
+    if np.abs(apart - reached).max() > TWO_STATES * solver.problem.unit:
         raise NotFollowed("the surfaces may not have jumped into contact")

@@ -15,12 +15,12 @@ from .moved import NotFollowed
 from .refinement import forces_of, thinned
 from .skeleton import Held, Skeleton
 
-SAME = 1e-4  # nm: ends of branches that are nearer are the same end
+SAME_END = 1e-4  # nm: ends of branches that are nearer are the same end
 BRANCHES = 12  # branches of a skeleton; nearly all sliding runs repeat themselves after three
-FEWEST = 3  # states of a branch; others cannot be interpolated from fewer
-OFF = 1e-3  # of the largest force: error at the states of the run that followed runs promise to stay below
-MINOR = 0.1  # of the larger force: the least scale for errors of the smaller one, which may be held at nearly nothing
-CLEAR = 1e-4  # nm: error of slips that followed runs promise to stay below
+FEWEST_STATES = 3  # states of a branch; others cannot be interpolated from fewer
+FORCE_ERROR = 1e-3  # of the largest force: error at the states of the run that followed runs promise to stay below
+MINOR_FORCE = 0.1  # of the larger force: least scale for errors of the smaller one, which may be held near zero
+SLIP_ERROR = 1e-4  # nm: error of slips that followed runs promise to stay below
 
 
 def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
@@ -94,7 +94,7 @@ def _longest(branches, home, period, m):
     if not home:
         return branches, home
     part, last = branches[home - 1], branches[-1]
-    if last.start - period > part.start or abs(last.end - period - part.end) > SAME:
+    if last.start - period > part.start or abs(last.end - period - part.end) > SAME_END:
         return branches, home
     along = np.zeros(last.states[0].v.size)  # the unknowns that move on with the load
     along[:m] = 1.0
@@ -105,7 +105,7 @@ def _branch(scene, first, branch):
     """The Branch of the states that it takes to describe it."""
     if branch.slip and branch.slip.kind != "fold":
         raise NotFollowed(f"a branch ends by {branch.slip.kind} at {branch.end:g} nm: that is computed")
-    if len(branch.states) < FEWEST:
+    if len(branch.states) < FEWEST_STATES:
         raise NotFollowed(f"a branch that begins at {branch.start:g} nm has only {len(branch.states)} states")
     return thinned(scene, first, branch)
 
@@ -113,12 +113,12 @@ def _branch(scene, first, branch):
 def _compare(skeleton, passed, guess):
     """Raises NotFollowed where a Skeleton is not its run."""
     ends = [(new.end, old.end) for new, old in zip(skeleton.branches, guess.branches, strict=True) if new.slip]
-    if any(abs(new - old) > CLEAR for new, old in ends):
+    if any(abs(new - old) > SLIP_ERROR for new, old in ends):
         raise NotFollowed("the skeleton's slips are not those of its run")
     slips = np.array([np.inf, *(old for _, old in ends)])  # there, states before and after have the same load
-    states = [state for branch in passed for state in branch.states if np.abs(state.load - slips).min() > CLEAR]
+    states = [state for branch in passed for state in branch.states if np.abs(state.load - slips).min() > SLIP_ERROR]
     v, loads = np.array([state.v for state in states]), np.array([state.load for state in states])
-    exact, largest = forces_of(skeleton.scene, skeleton.first, v, MINOR)
+    exact, largest = forces_of(skeleton.scene, skeleton.first, v, MINOR_FORCE)
     curve = forces_of(skeleton.scene, skeleton.first, skeleton.unknowns(loads))[0]
-    if not (np.abs(curve - exact) <= OFF * largest).all():
+    if not (np.abs(curve - exact) <= FORCE_ERROR * largest).all():
         raise NotFollowed("the skeleton's forces are not those of its run")

@@ -20,8 +20,8 @@ SURPRISE = 0.3  # units, a step of the arc: a state farther from its guess may l
 # A fold has a load as accurate as states, and a state that makes F_s right to 1e-5: at 3e-3 units, F_s of a weak fold
 # was off by 1.3e-3. Looser solves save 4 % of the evaluations of a move.
 FOLDS = FoldOptions(load=TOLERANCE, state=1e-4, accuracy=3e-2)
-NEAR = 3  # The change of a state is extrapolated from so many before it; 2 and 4 take as many evaluations
-FIRST = 1.5  # units that the first state of a branch without a fold may move; farther off, it lies on another branch
+CHANGES = 3  # The change of a state is extrapolated from so many before it; 2 and 4 take as many evaluations
+FIRST_MOVES = 1.5  # units, by which the first state of a branch without a fold may move and stay on it
 
 
 class NotFollowed(Exception):
@@ -95,7 +95,7 @@ def moved_branch(solver: Solver, old: Branch, start: float, end: float, fold: En
         raise NotFollowed(f"branch {number} has no states left", nearer=True)
     loads = start + (end - start) * ((old.loads - old.start) / (old.end - old.start))
     if fold is None:
-        first = Point(start, solver.state(old.states[0].v, start, what, FIRST))
+        first = Point(start, solver.state(old.states[0].v, start, what, FIRST_MOVES))
         states = _solved(solver, old.states, loads.tolist(), first, what)
     else:
         first = Point(fold.load, fold.v)
@@ -107,7 +107,7 @@ def _solved(solver, old, loads, first, what):
     """The states at these loads, from those of the old branch and extrapolated changes; the `first` one is solved."""
     states, changes = [first], [first.v - old[0].v]
     for i in range(1, len(old)):
-        near = changes[-NEAR:]
+        near = changes[-CHANGES:]
         change = lagrange(range(-len(near), 0), 0) @ np.asarray(near)
         surprise = SURPRISE
         if first.load < loads[-1]:  # to no fold: smooth sliding may jerk, between other states than before

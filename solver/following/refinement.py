@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..continuation.state import TINY, Point
-from ..continuation.trace import FEWEST, STENCIL, Branch
+from ..continuation.trace import FEWEST_STATES, STENCIL, Branch
 from ..scene import Scene
 from .moved import SURPRISE, Solver
 from .skeleton import tractions
@@ -19,7 +19,7 @@ FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where i
 
 def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
     """The Branch with as many states as its forces need: more are solved for, or some left out."""
-    while branch.slip is not None and len(branch.states) < FEWEST:  # others that are short are nearly straight
+    while branch.slip is not None and len(branch.states) < FEWEST_STATES:  # others that are short are nearly straight
         branch = divided(solver, branch, np.arange(len(branch.states) - 1), number)
     while len(branch.states) <= FINEST:
         poor = np.unique(np.concatenate([_poor(scene, first, branch, begin) for begin in (1, 2)]))
@@ -31,7 +31,7 @@ def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: in
 
 def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
     """The Branch without states whose neighbours describe the forces well enough."""
-    while len(branch.states) > 2 * FEWEST:
+    while len(branch.states) > 2 * FEWEST_STATES:
         out, errors = _errors(scene, first, branch, 1)
         out = out[errors < 2.0 ** (ORDER - LIMIT) * ERROR]  # with a larger error, the others would be divided again
         if not out.size:

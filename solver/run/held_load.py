@@ -8,8 +8,8 @@ from ..scene import LIMITS, Scene, SceneError
 from ..schema import as_number
 from .loadpath import load_path
 
-NEAR = 1e-9  # of delta_0, to which the indentation is found: the load changes by some 1e-7 N/m over it
-SAME = 1e-6  # of the load, or N/m if it is below 1: farther from it, the load jumps over the one asked for
+SAME_INDENTATION = 1e-9  # of delta_0, to which the indentation is found: the load changes by some 1e-7 N/m over it
+SAME_LOAD = 1e-6  # of the load, or N/m if it is below 1: farther from it, the load jumps over the one asked for
 DEEPEST = 0.999  # of the thickness of the layer, through which nothing can be pressed
 
 
@@ -38,8 +38,8 @@ def held_at(scene: Scene, load: float) -> Scene:
         *_, last = (each for each in load_path(approach.changed(delta_bar=delta_bar)) if each.stage == "approach")
         return last.L - wanted
 
-    delta_bar = brentq(off, *ends, xtol=NEAR)
-    if abs(off(delta_bar)) > SAME * max(1.0, abs(wanted)):
+    delta_bar = brentq(off, *ends, xtol=SAME_INDENTATION)
+    if abs(off(delta_bar)) > SAME_LOAD * max(1.0, abs(wanted)):
         jump = f"the approach jumps from {before.L:.4g} to {frame.L:.4g} N/m at delta_bar = {delta_bar:.4g}"
         raise SceneError("load", load, jump, "give a load outside that jump")
     return scene.changed(delta_bar=delta_bar, hold="load")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import plots
-from ...following.follow import SAME
+from ...following.follow import DISCRETE
 from ...scene import LIMITS, PARAMETERS, Scene, SceneError
 from .point import COLUMNS, QUANTITIES, Point
 from .task import Outcome, Task
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 COUNT = 2, 400  # values of an axis: one value is no axis, and 400 x 400 points take hours
 FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of these"
-CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in SAME and not limits.whole)
+CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in DISCRETE and not limits.whole)
 RUNS = 16  # points at first, which are all runs: their neighbours are too far to follow
 AROUND = 4  # known points nearest to another: at the corners around it, or at the ends of its side
 
