@@ -558,11 +558,19 @@ def test_smooth_sliding_is_repeated_after_one_period():
     assert trace.period == PERIOD and all(d.repeated for d in done if d.state.load > PERIOD + 0.05)
 
 
-@pytest.mark.parametrize(("amplitude", "slips"), [(0.05, False), (1.0, True)])
-def test_the_memory_of_5000_increments_is_bounded(amplitude, slips):
-    """A smooth run and one of many slips, both shorter than a site; what is left of the newest branch describes it."""
-    toy, loads = aperiodic(amplitude), np.arange(1, 5001) * 0.001
-    done, trace = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads, spacing=60.0)
+def test_smooth_sliding_in_long_increments_is_computed_in_each():
+    """Five states over a period do not describe what lies between them."""
+    toy, loads = lattice((0.3, 0.0), period=PERIOD), np.arange(1, 40) * 0.5
+    done, trace = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads)
+    assert trace.period == PERIOD and not any(d.repeated for d in done)
+    assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
+
+
+@pytest.mark.parametrize(("amplitude", "slips", "step"), [(0.05, False, 1e-3), (1.0, True, 1e-3), (1.0, True, 0.05)])
+def test_the_memory_of_5000_increments_is_bounded(amplitude, slips, step):
+    """Without slips, with few and with many; what is left of the newest branch describes it."""
+    toy, loads = aperiodic(amplitude), np.arange(1, 5001) * step
+    done, trace = replayed(QuasiStatic(toy, inf, 4.0), toy.at_rest(0.0, 0.0), loads, spacing=1000.0)
     assert not trace.period and bool(slips_of(done)) == slips
     assert 0.5 * STATES < sum(len(branch.states) for branch in trace.branches) <= STATES
     newest = trace.branches[-1]
