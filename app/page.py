@@ -24,7 +24,7 @@ from app import assets, lab, pages, schema
 from app.document import frozen
 from app.glossary import forms
 from app.server_log import reach
-from app.session.controls import CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
+from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.orders import Wire
 from app.session.session import Session
 from app.views.live import live_figures
@@ -54,7 +54,10 @@ class Shared:
         values, page = values_of(scene), self.page
         shown = preset in self.stored and scene == presets()[preset].scene
         own |= {"stored": PRELOAD.format(self.stored[preset]) if shown else ""}
-        for name, text in (own | {control.name: f"{values[control.name]:g}" for control in CONTROLS}).items():
+        for control in CONTROLS:
+            near = [abs(position - values[control.name]) for position in control.positions]
+            own |= {control.name: f"{values[control.name]:g}", f"{control.name}-at": str(near.index(min(near)))}
+        for name, text in own.items():
             page = page.replace(MARK.format(name), text)
         return page
 
@@ -115,8 +118,10 @@ def _html(doc, root):
         "scripts": sorted(map(assets.named, assets.needed(assets.STATIC / "js" / "main.js"))),
         "controls": CONTROLS,
         "values": {control.name: MARK.format(control.name) for control in CONTROLS},
+        "places": {control.name: MARK.format(f"{control.name}-at") for control in CONTROLS},
         "drawer": drawer(),
         "meaning": meaning,
+        "also": ALSO,
         "words": words,
         "applies": applies,
         "unit": lambda name: LIMITS[name].unit if name in LIMITS else "",

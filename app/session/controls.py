@@ -99,6 +99,12 @@ def drawer() -> dict[str, list[str]]:
     return groups
 
 
+ALSO = {  # {parameter: further words by which a visitor looks for it}
+    **{"E": "young's modulus", "delta_bar": "load force indentation", "phi_ratio": "grip friction force"},
+    **{"hold": "force load", "drive_t": "force spring", "drive_n": "force spring", "phi_n": "surface energy force"},
+}
+
+
 def words(name: str) -> str:
     """Return the label of a parameter in the drawer: its meaning up to the first comma or semicolon."""
     return re.split("[,;]", PARAMETERS[name].meaning)[0]

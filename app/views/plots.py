@@ -25,7 +25,11 @@ COORDINATES: dict[type, tuple[str, ...]] = {  # of glyphs, if other than x and y
     VBar: ("x", "width", "top", "bottom"),
     Image: ("image", "x", "y", "dw", "dh"),
 }
-AXIS = {"axis_label_text_font_style": "normal", "minor_tick_line_color": None, "axis_label_standoff": 4}
+FACE = "system-ui, sans-serif"  # Bokeh's own, helvetica, is a serif face in browsers that lack it
+AXIS = {
+    **{"axis_label_text_font": FACE, "major_label_text_font": FACE, "axis_label_text_font_style": "normal"},
+    **{"minor_tick_line_color": None, "axis_label_standoff": 4},
+}
 
 
 def blank(name: str, x_label: str, y_label: str, x: Any = (0.0, 1.0), y: Any = (0.0, 1.0), **axes: Any) -> figure:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from helpers import until
 from visitor import PATIENCE, SHORT, Page, say, unpacked, whole_run
 
+from app.page import shared
 from app.service import packing, worker
 from app.session import controls, pursuit
 from app.session import session as session_module
@@ -64,6 +66,13 @@ def test_entries_accept_units_and_signs_and_report_a_decimal_comma(page):
     page.order("scene", delta_bar="−0,5", E="0.09 TPa")
     assert page.session.scene == SHORT.changed(delta_bar=-0.5, E=90.0)
     assert page.status()["errors"] == {} and "decimal point, −0.5" in page.status()["notes"][0]
+
+
+def test_the_thumbs_of_the_page_stand_at_the_values_of_the_address_before_any_script_runs():
+    html = shared("/app").page_for({"delta_bar": [b"0.5"], "E": [b"10"]}, token="", nonce="")
+    for control, value in zip(CONTROLS, (0.5, 1.0, 10.0), strict=True):
+        slider = re.search(f'<input type="range" id="{control.name}"[^>]*value="(\\d+)"', html)
+        assert control.positions[int(slider[1])] == value
 
 
 def test_address_values_are_parsed_like_entries():

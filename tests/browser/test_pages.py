@@ -137,6 +137,25 @@ def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(look):
 
 
 @thorough
+def test_a_closed_page_leaves_no_elements_listeners_or_models_behind(visit):
+    page = visit()
+    finished(page)
+    tools = page.context.new_cdp_session(page)
+    tools.send("Performance.enable")
+    found = []
+    for _ in range(3):
+        page.evaluate("document.querySelector('nav [data-page=law]').click()")
+        page.wait_for_function(f"() => {DRAWN['law']} && !('drawing' in law.dataset)", timeout=PATIENCE)
+        page.evaluate("document.querySelector('#law .close').click()")
+        page.wait_for_function(f"() => !({MODEL.format('law_shear_map')})", timeout=PATIENCE)
+        tools.send("HeapProfiler.collectGarbage")
+        metrics = {each["name"]: each["value"] for each in tools.send("Performance.getMetrics")["metrics"]}
+        found.append((metrics["Nodes"], metrics["JSEventListeners"]))
+    assert found[2][1] == found[0][1]
+    assert found[2][0] - found[0][0] < 200  # of 1,600 that the page has
+
+
+@thorough
 def test_page_named_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
     finished(page)

@@ -344,6 +344,15 @@ def test_sentences_explain_changes_of_flats_smooth_sliding_and_retraction(tab, s
     assert not false_in(tab, run, before)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("depth", [-0.56, -0.52, -0.48])
+def test_the_sentence_on_a_change_does_not_contradict_the_one_beside_it(tab, depth):
+    before, run = (whole(Scene(nodes=512, u_x_max=4.0, delta_bar=at)) for at in (-0.7, depth))
+    said, change = read(tab, run, before)
+    far = all("faint pull" in one["text"] for k, one in said if k >= run.sheared)
+    assert far == ("now the surfaces hold on" not in (change or {"text": ""})["text"])
+
+
 PLAYED = """async ({ now, speed }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")

@@ -11,7 +11,6 @@ import { me, redrawCanvases } from "../../static/js/store.js"
 import { inWords } from "../../static/js/words.js"
 
 const MORE = 1.05 // times the value, after a click
-const OF_ZERO = 0.05 // the value after a click, where it is zero
 const HIGH = 26 // px, the mark of the node that holds most
 const COLUMNS = { U_s: 0, F_s: 1, A_s: 2 }
 
@@ -30,22 +29,24 @@ const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ?
 
 function drawBars() {
   const column = COLUMNS[document.querySelector("#matters-of :checked").value]
-  const rows = Object.entries(result?.bars ?? {})
+  const known = Object.entries(result?.bars ?? {})
     .map(([name, all]) => [name, all[column]]).filter(([, value]) => value !== null)
+  const [rows, zero] = [true, false].map((some) => known.filter(([name]) => (result.values[name] !== 0) === some))
+  by("matters-zero").textContent = zero.map(([name, value]) =>
+    `${inWords(name)} is 0, so that it has no per cent: 0.01 more change the first slip by ${signed(value)}.`).join(" ")
   rows.sort(([, a], [, b]) => Math.abs(b) - Math.abs(a))
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9)
   by("matters-bars").replaceChildren(...rows.map(([name, value]) => {
     const bar = make("i", { className: value < 0 ? "less" : "more" })
     bar.style.setProperty("--part", Math.abs(value) / most)
-    const label = inWords(name) + (result.values[name] === 0 ? " (by 0.01)" : "")
     const title = `now ${minus(result.values[name])}; click for five per cent more`
-    return makeButton({ title, onclick: () => raise(name) }, make("span", {}, label), bar, make("b", {}, signed(value)))
+    const parts = [make("span", {}, inWords(name)), bar, make("b", {}, signed(value))]
+    return makeButton({ title, onclick: () => raise(name) }, ...parts)
   }))
 }
 
 function raise(name) {
-  const now = Number(me.status.values[name])
-  const wanted = now === 0 ? OF_ZERO : now + Math.abs(now) * (MORE - 1)
+  const now = Number(me.status.values[name]), wanted = now + Math.abs(now) * (MORE - 1)
   enter({ [name]: `${Number(wanted.toPrecision(5))}` })
 }
 

@@ -26,6 +26,20 @@ export function set(model, values) {
   changed = true
   model.setv(values, here)
 }
+// Each figure listens to the size of the visual viewport and never stops, which keeps all of it in memory. The figures
+// of the experiment are there when this script is loaded; what listens later belongs to the page that is open
+const listeners = []
+const { addEventListener } = globalThis.visualViewport
+visualViewport.addEventListener = function (type, call, ...options) {
+  listeners.push([type, call])
+  addEventListener.call(this, type, call, ...options)
+}
+
+// Let go of what a closed page leaves behind: listeners, and models that nothing refers to any more
+export function release(document) {
+  for (const [type, call] of listeners.splice(0)) visualViewport.removeEventListener(type, call)
+  document.freeze_all_models(() => {})
+}
 export const onChange = (model, property, call) => model.properties[property].change.connect(call)
 export const onMessage = (model, call) => model.document.on_message("message", call)
 export const onEvent = (model, name, call) => model.on_event(name, call)

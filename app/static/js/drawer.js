@@ -19,6 +19,8 @@ function connect() {
   view(["status"], refresh)
   on("find", "input", refresh)
   on("drawer", "close", () => by(by("parameters").checkVisibility() ? "parameters" : "menu").focus())
+  for (const button of document.querySelectorAll("[data-slider]"))
+    button.addEventListener("click", () => by(`${button.dataset.slider}-entry`).focus())
   for (const button of document.querySelectorAll(".restore")) {
     button.addEventListener("click", () => {
       const entry = by(`${button.dataset.name}-entry`)
@@ -35,7 +37,7 @@ function refresh() {
   const applies = ({ dataset }) =>
     ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
   for (const row of document.querySelectorAll("#drawer .row")) {
-    row.hidden = sought ? !row.textContent.toLowerCase().includes(sought) : !applies(row)
+    row.hidden = sought ? !`${row.textContent} ${row.dataset.also}`.toLowerCase().includes(sought) : !applies(row)
   }
   for (const group of document.querySelectorAll("#drawer fieldset"))
     group.hidden = !group.querySelector(".row:not([hidden])")

@@ -41,8 +41,9 @@ export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 export function fit(range, low, high, room = 0.08) {
   const { start, end } = range, size = Math.max(high - low, 1e-9)
   const below = low - EDGE * size < start, above = high + EDGE * size > end
+  const least = low < 0 ? -Infinity : -room * size // what is never negative has no axis below zero
   if (me.dragging)
-    set(range, { start: below ? low - ROOM * size : start, end: above ? high + ROOM * size : end })
+    set(range, { start: below ? Math.max(low - ROOM * size, least) : start, end: above ? high + ROOM * size : end })
   else if (below || above || size < FAR_LESS * (end - start))
     set(range, { start: low - room * size, end: high + room * size })
 }

@@ -4,6 +4,7 @@
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
+import { release } from "./bokeh.js"
 import { by, readdress } from "./dom.js"
 import { adopt, drawn, forget, shade } from "./figures.js"
 import { cover, declared, me, redraw, view } from "./store.js"
@@ -101,6 +102,7 @@ export function receive(news) {
     call("receive", {})
     redraw() // in this theme, and without what the page has drawn over the punch
     sheet.figures.forEach(forget)
+    if (sheet.figures.length) release(slots[sheet.figures[0]].document)
     sheet = news
     for (const name of sheet.figures) adopt(name, slots[name].children[0])
     call("opened")

@@ -43,13 +43,18 @@ function jerks(run, [first, second]) {
   return tell("jerks", `Sliding in jerks: it sticks, slips ${nm(a.sites * run.head.spacing)}, sticks again.`)
 }
 
+// Whether the surfaces hold on to each other at frame k
+function holds(run, k) {
+  const frame = run.frame(k)
+  return frame.T_t.some((T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion)
+}
+
 // What happens at frame k; playing: without the numbers of a slip
 export function nowSentence(run, k, playing = false) {
   if (run.filmed)
     return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
-  const stage = run.stage(k), frame = run.frame(k)
-  const acts = (T_t, i) => frame.state(i) !== "free" || Math.abs(T_t) > WEAK * run.head.adhesion
-  if (!frame.T_t.some(acts)) {
+  const stage = run.stage(k)
+  if (!holds(run, k)) {
     if (stage === "approach" || stage === "reload")
       return tell("apart down", "The punch comes down. It is too far away to feel more than a faint pull.")
     return tell("apart", "Too far apart to hold on: only a faint pull reaches across.")
@@ -207,9 +212,9 @@ export function changeSentence(run, before) {
   const [name] = names, up = real(run.scene[name]) > real(before.scene[name])
   const head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
   if (run.normal) return lifted(run, before, head)
-  if (run.apart !== before.apart)
-    return tell("change apart", `${head}: ${run.apart ? APART : TOGETHER}.`)
-  if (run.apart) return null
+  const [apart, were] = [run, before].map(apartAlways)
+  if (apart !== were) return tell("change apart", `${head}: ${apart ? APART : TOGETHER}.`)
+  if (apart) return null
   const now = firstSlip(run), then = firstSlip(before)
   if (!now && !then) return swings(smooth(run, run.length - 1), smooth(before, before.length - 1), head)
   if (!now)
@@ -225,6 +230,9 @@ export function changeSentence(run, before) {
   return tell("change", `${head}: ${differences.join(", ")}${because(run, before, now, then)}.`)
 }
 
+// Whether the surfaces never hold on to each other once the top is pulled, as far as the frames are here
+const apartAlways = (run) => (
+  run.heldNowhere ??= !run.frames((k) => k >= run.sheared && run.has(k)).some((k) => holds(run, k)))
 const forces = (now, then) => `${withUnit("F", now)} instead of ${withUnit("F", then)}`
 const compared = (head, verb, now, then) =>
   (now === then ? tell("change none", `${head}: hardly a difference.`)
