@@ -127,10 +127,10 @@ def test_a_closed_page_removes_its_figures_and_only_one_page_is_open(look):
     count = "new Set(Bokeh.documents[0].roots().flatMap((root) => [...root.references()])).size"
     before = page.evaluate(count)
     for name in ("law", "load"):
-        page.get_by_role("button", name=listed()[name].TITLE).click()
+        page.locator(f"nav [data-page={name}]").evaluate("(button) => button.click()")
         page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
         assert page.locator(".sheet:visible").count() == 1
-    page.get_by_role("button", name="Experiment").click()
+    page.locator("nav [data-page='']").evaluate("(button) => button.click()")
     page.wait_for_function(f"() => {count} === {before}", timeout=PATIENCE)
     assert page.locator(".sheet:visible").count() == 0
     assert "page=" not in page.url
@@ -147,7 +147,7 @@ def test_a_closed_page_leaves_no_elements_listeners_or_models_behind(visit):
         page.evaluate("document.querySelector('nav [data-page=law]').click()")
         page.wait_for_function(f"() => {DRAWN['law']} && !('drawing' in law.dataset)", timeout=PATIENCE)
         page.evaluate("document.querySelector('#law .close').click()")
-        page.wait_for_function(f"() => !({MODEL.format('law_shear_map')})", timeout=PATIENCE)
+        page.wait_for_function(f"() => !({MODEL.format('law_shear_map.map')})", timeout=PATIENCE)
         tools.send("HeapProfiler.collectGarbage")
         metrics = {each["name"]: each["value"] for each in tools.send("Performance.getMetrics")["metrics"]}
         found.append((metrics["Nodes"], metrics["JSEventListeners"]))
