@@ -16,13 +16,15 @@ const tell = (key, text) => ({ key, text })
 const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
 const EVENT = /^(slip|in|off|part) / // keys of sentences about a slip or a jump
 
-// What is said next, of {key, text, k, since}: what was said before, or what is true now. While frames follow each
+// What is said next, of {key, text, k, since, run}: what was said before, or what is true now. While frames follow each
 // other quickly a sentence stays for some time, so that it can be read; but a slip ends it, as does another beginning
-export function saidNext(before, next, { moving, k, time }) {
-  const same = next.key === before.key, ends = k < before.k || EVENT.test(next.key)
+// or another run. While a slider is held (dragging) runs follow each other as frames do
+export function saidNext(before, next, { moving, k, time, run, dragging }) {
+  const another = run !== before.run, same = next.key === before.key
+  const ends = k < before.k || (another && !dragging) || (EVENT.test(next.key) && !same)
   const stays = moving && !ends && time - before.since < HOLD
-  if (next.text === before.text || (moving && same) || stays) return { ...before, k }
-  return { ...next, k, since: time }
+  if (next.text === before.text || (moving && same && !another) || stays) return { ...before, k, run }
+  return { ...next, k, since: time, run }
 }
 
 // What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the

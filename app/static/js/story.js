@@ -182,7 +182,7 @@ let sentence = { key: "", text: "", k: 0, since: -Infinity }, compared = [] // o
 // The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
 export function tellNow(run, k) {
   const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
-  const said = saidNext(sentence, next, { moving, k, time: performance.now() })
+  const said = saidNext(sentence, next, { moving, k, run, dragging: me.dragging, time: performance.now() })
   if (said.text !== sentence.text) explain(by("sentence"), said.text)
   sentence = said
   const wanted = [run, me.ghost, run.whole]

@@ -1,0 +1,119 @@
+"""Whatever a visitor does: what is drawn, said and entered belongs to one scene and increment, or the page marks it."""
+
+import random
+
+import pytest
+from served import PLAYING, finished
+from tabs import imported
+
+# Looks at the page before each picture of the screen, where everything is drawn: `pictures` counts, `wrong` lists
+WATCH = """() => {
+    const { sentence: { nowSentence, phaseSentence }, figures: { parts }, bokeh: { drawnBy } } = modules
+    const by = (id) => document.getElementById(id), { dataset } = document.querySelector(".page")
+    const HOLD = 2600 // ms for which a sentence may stay while pictures follow each other, until the next picture
+    const EVENT = /^(slip|in|off|part) / // keys of sentences that take the place of others at once
+    Object.assign(window, { pictures: 0, wrong: [] })
+    let last = null, at = 0, before = 0 // the last picture, when it and the one before it came, ms
+    let recent = [] // {time, key, text} of what was true
+    const entered = (run) => ["delta_bar", "phi_ratio", "E"].filter((name) => {
+        const entry = by(`${name}-entry`), typed = entry === document.activeElement || !by(`${name}-error`).hidden
+        return !typed && Math.abs(Number(entry.value) - Number(run.scene[name])) > 1e-9
+    })
+    const look = () => {
+        requestAnimationFrame(look)
+        const { picture, charted, lost, dragging, playing, film, fresh } = punch
+        if (fresh || film || lost || !picture || !charted?.scene || !picture.run.scene) return
+        const { run, k } = picture, moving = playing || dragging, time = performance.now()
+        const tell = (what) => { if (wrong.length < 20) wrong.push(`${what} [picture ${pictures}, increment ${k}]`) }
+        const now = moving ? phaseSentence(run, k) : nowSentence(run, k)
+        if (picture !== last) [before, at] = [at, time]
+        recent = recent.filter((each) => each.time > before - HOLD)
+        recent.push(...[now, nowSentence(run, k), phaseSentence(run, k)].map((each) => ({ ...each, time })))
+        if (picture !== last) pictures++
+        last = picture
+        for (const [of, flag, what] of [[run, "stale", "the punch"], [charted, "mixed", "the curves"]]) {
+            const other = entered(of)
+            if (!other.length || dataset[flag] === "true" || (dragging && of.followed)) continue
+            tell(`${what}: ${other.map((name) => [name, of.scene[name], "entered", by(`${name}-entry`).value])}`)
+        }
+        const { x, y } = drawnBy(parts.punch.surface) ?? {}, { gap } = run.frame(k)
+        if (x && (y.length !== gap.length || [0, 0.25, 0.5, 1].some((part) => {
+            const i = Math.round(part * (gap.length - 1))
+            return y[i] !== gap[i]
+        }))) tell("the surface is that of another increment")
+        const scrubbed = Number(by("scrub").value)
+        if (run === punch.run && !run.followed && scrubbed !== k) tell(`scrubbed to ${scrubbed}`)
+        const said = by("sentence").textContent, known = recent.filter(({ text }) => text === said)
+        if (!moving && said !== now.text) tell(`at rest: “${said}”, true: “${now.text}”`)
+        if (moving && !known.length) tell(`not true for ${HOLD} ms: “${said}”, true: “${now.text}”`)
+        if (moving && EVENT.test(now.key) && !known.some(({ key }) => key === now.key))
+            tell(`in place of “${now.text}”: “${said}”`)
+    }
+    look()
+}"""
+TYPED = {"E": ("35", "70", "140", "300"), "delta_bar": ("-0.2", "0", "0.3", "-0.9"), "phi_ratio": ("0.1", "0.5", "1")}
+KEYS = "Space", "Space", "Home", "End", "ArrowRight", "Shift+ArrowRight", "Shift+ArrowLeft"
+PRESETS = "fig6", "fig7-case1", "fig7-case3", "fig4a-blue", "no-load"
+
+
+def drag(page, dice):
+    box = page.locator(f"#{dice.choice([*TYPED])}").bounding_box()
+    if not box:
+        return  # not in sight at this stop of the tour
+    x, y = box["x"] + dice.uniform(0.2, 0.8) * box["width"], box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for _ in range(dice.randint(3, 12)):
+        x = min(max(x + dice.uniform(-30, 30), box["x"] + 2), box["x"] + box["width"] - 2)
+        page.mouse.move(x, y)
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+    page.mouse.up()
+
+
+def write(page, dice):
+    name = dice.choice([*TYPED])
+    entry = page.locator(f"#{name}-entry")
+    if entry.is_visible():
+        entry.fill(dice.choice(TYPED[name]))
+        entry.press("Enter")
+        page.evaluate("document.activeElement.blur()")
+
+
+def choose(page, dice):
+    if page.locator("#preset").is_visible():
+        page.select_option("#preset", dice.choice(PRESETS))
+
+
+def tour(page, dice):
+    page.evaluate(f"modules.tour.openTour({dice.randint(1, 9)})")
+    if dice.random() < 0.7:
+        page.locator("#tour-card button.answer").first.wait_for()
+        page.keyboard.press(dice.choice("123"))
+        show(page, dice)
+    page.get_by_role("button", name="End tour").click()
+
+
+def press(page, dice):
+    page.locator("body").press(dice.choice(KEYS))
+
+
+def show(page, dice):
+    """Let it play for some pictures, or until it rests."""
+    before = page.evaluate("pictures")
+    page.wait_for_function(
+        f"() => pictures >= {before + dice.randint(5, 40)} || !punch.playing && !punch.dragging && !punch.stale"
+    )
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("most", [120, 2000])
+def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_marked(visit, most):
+    page = visit("?more=1", **PLAYING)
+    finished(page)
+    imported(page, "sentence", "figures", "bokeh", "tour").evaluate(WATCH)
+    dice = random.Random(most)
+    actions = [drag, drag, write, press, press, choose, tour]
+    while page.evaluate("pictures") < most:
+        dice.choice(actions)(page, dice)
+        show(page, dice)
+        assert page.evaluate("wrong") == []
