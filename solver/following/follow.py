@@ -46,19 +46,20 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
             raise NotFollowed(f"{name} does not change continuously")
     if scene.path != "shear":
         raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
-    spent = [0]
-    return replace(_in_parts(skeleton, scene, HALVES, spent), evaluations=spent[0])
+    return _in_parts(skeleton, scene, HALVES)
 
 
-def _in_parts(skeleton, scene, halves, spent):
-    """The Skeleton of the scene, at once or by scenes in between; adds its force evaluations to spent[0]."""
+def _in_parts(skeleton, scene, halves):
+    """The Skeleton of the scene, at once or by scenes in between."""
     try:
-        return moved_at_once(skeleton, scene, spent)
+        return moved_at_once(skeleton, scene)
     except NotFollowed as failure:
         if not (failure.nearer and halves):
             raise
-        middle = _between(skeleton.scene, scene, failure)
-    return _in_parts(_in_parts(skeleton, middle, halves - 1, spent), scene, halves - 1, spent)
+        middle, spent = _between(skeleton.scene, scene, failure), failure.evaluations
+    half = _in_parts(skeleton, middle, halves - 1)
+    whole = _in_parts(half, scene, halves - 1)
+    return replace(whole, evaluations=spent + half.evaluations + whole.evaluations)
 
 
 def _between(old, new, failure):
@@ -76,19 +77,20 @@ def _halfway(a, b):
     return 0.5 * (a + b) if np.isfinite(a + b) else 2.0 * min(a, b)
 
 
-def moved_at_once(skeleton: Skeleton, scene: Scene, spent: list[int]) -> Skeleton:
-    """The Skeleton of the scene, not by scenes in between; adds its force evaluations to spent[0]."""
+def moved_at_once(skeleton: Skeleton, scene: Scene) -> Skeleton:
+    """The Skeleton of the scene, not by scenes in between."""
     contact = Contact(scene, skeleton.first, skeleton.nodes)
     try:
         new = _moved(contact, skeleton)
     except NotConverged as failure:  # a pull-off under a held load
         raise NotFollowed(str(failure)) from None
-    finally:
-        spent[0] += contact.evaluations
+    except NotFollowed as failure:
+        failure.evaluations = contact.evaluations
+        raise
     states = (state for branch in new.branches for state in branch.states)
     if min(contact.outside(state.v[: 2 * contact.size].reshape(2, -1)) for state in states) < OUTSIDE * scene.delta_n:
         raise NotFollowed("nodes outside the patch may interact")
-    return new
+    return replace(new, evaluations=contact.evaluations)
 
 
 def _moved(contact, skeleton):

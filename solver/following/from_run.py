@@ -58,11 +58,11 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
         raise NotFollowed("the run has not slid yet, or was not recorded from its start")
     whole = trace.branches[0].states[0].v.size // 2 == scene.nodes
-    first, spent = 0 if whole else patch(scene)[0], [0]
+    first = 0 if whole else patch(scene)[0]
     guess, passed = _guess(scene, first, trace)
-    skeleton = moved_at_once(guess, scene, spent)
+    skeleton = moved_at_once(guess, scene)
     _compare(skeleton, passed, guess)
-    return replace(skeleton, evaluations=spent[0])
+    return skeleton
 
 
 def _refuse_path(scene):

@@ -27,8 +27,11 @@ FIRST_MOVES = 1.5  # units, by which the first state of a branch without a fold 
 class NotFollowed(Exception):
     """The run of the other scene does not continue that of the skeleton; the message gives the reason.
 
-    Compute that run from its start. nearer: smaller changes of the parameters might lead there.
+    Compute that run from its start. nearer: smaller changes of the parameters might lead there. evaluations: force
+    evaluations of the attempt.
     """
+
+    evaluations = 0
 
     def __init__(self, reason: str, nearer: bool = False) -> None:
         super().__init__(reason)
