@@ -31,6 +31,7 @@ from solver.analysis.toughness import release_rates, toughness
 
 NODES_PER_ZONE, PERIOD, SITES = 8.0, 8.0, 10.0  # see above; PERIOD: least cell over JKR's half-width; SITES: a/delta_t
 BRANCH = 0.8  # share of the branch that is compared: towards its end edge nodes move on to the next site
+AFTER = 10  # increments without a larger force, after which the contact has given way
 PRESSED, PULLED = 1.5, 0.3  # delta_bar of the held loads: some 0.65 of JKR's pull-off force pressing, 0.3 pulling
 XU = {"law": "xu-needleman", "phi_ratio": 1.0, "delta_t": 1.0}
 COMPRESSIBLE = {0.45: 4e-3, 0.3: 4e-3, 0.0: 1e-2}  # nu: allowed error of A/A_0; at 0 the mode is nearly shear
@@ -110,16 +111,34 @@ def under_load(maugis, nu, allowed, theory=None, **changed):
 
 
 def pulled_off(maugis, allowed):
-    """The Form of the shear at which a pulled contact comes off, over the largest one of the theory."""
-    scene = scene_of(maugis, delta_bar=PULLED, **XU)
-    frames = branch(scene)
+    """The Form of the largest shear of a pulled contact over that of the theory.
+
+    Its edge nodes move on to the next site one by one, long before the contact gives way.
+    """
+    scene, frames = scene_of(maugis, delta_bar=PULLED, **XU), []
+    for frame in load_path(scene):
+        frames += [frame] * (frame.stage != "approach")
+        if len(frames) > AFTER + np.argmax([frame.F for frame in frames] or 0):
+            break
     largest = strip_of(scene).largest_shear(frames[0].L, 1.0)
     name = f"Xu-Needleman, lambda {maugis:g}, pulled: F at pull-off"
-    return [Form(name, abs(frames[-1].F / largest - 1.0), allowed, "edge nodes move on to the next site", SOURCE)]
+    return [
+        Form(
+            name,
+            abs(max(frame.F for frame in frames) / largest - 1.0),
+            allowed,
+            "edge nodes move on to the next site",
+            SOURCE,
+        )
+    ]
 
 
 def non_potential(maugis, ratio, delta_t, allowed):
-    """Forms of NP1: J of both edges of every frame, and Gamma from the width, over the toughness at their angle."""
+    """Forms of NP1: J of both edges of every frame, and Gamma from the width, over the toughness at their angle.
+
+    J of a frame is up to 1 % off at 30 degrees, lambda 4, and more beyond: springs inside the contact are sheared while
+    they are pressed, not along the openings of a tip, whose work alone is the toughness of a law without a potential.
+    """
     scene = scene_of(maugis, law="np1", phi_ratio=ratio, delta_t=delta_t)
     strip, frames = strip_of(scene), compared(branch(scene))
     rates, found = np.array([[edge.J for edge in release_rates(f)] for f in frames]), []
@@ -187,7 +206,7 @@ CASES = (
     lambda: pulled_off(4.0, 0.03),
     lambda: non_potential(4.0, 1.0, np.sqrt(2.0), (1.5e-2, 2e-2)),
     lambda: non_potential(8.0, 1.0, np.sqrt(2.0), (5e-3, 6e-3)),
-    *(lambda ratio=ratio: non_potential(4.0, ratio, 2.33, (2e-2, 2e-2)) for ratio in (1.0, 2.0, 5.0)),
+    *(lambda ratio=ratio: non_potential(4.0, ratio, 2.33, (3e-2, 2e-2)) for ratio in (1.0, 2.0, 5.0)),
 )
 
 
