@@ -214,7 +214,9 @@ class _Arc:
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
         for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
             fold = fold_near(self.problem, End(load, v, last.v - before.v), self.options.fold)
-            if fold is not None and fold.load >= before.load and arcs[-1] < dot(chord, fold.v) < arcs[0]:
+            if fold is None or not arcs[-1] < dot(chord, fold.v) < arcs[0]:
+                continue
+            if fold.load >= before.load - self.problem.tolerance:  # a point at the fold has an error of its own
                 return fold
         return None
 

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from toys import CUBIC, Node, Toy, cubic, lattice, spiral
 
+from solver.continuation.branch import continue_branch
 from solver.continuation.corrector import Corrector
 from solver.continuation.fold import FoldOptions, fold_near
 from solver.continuation.gfmd import Gfmd
@@ -17,7 +18,8 @@ from solver.continuation.inverse import Solves
 from solver.continuation.motion import Creep, ExplicitMotion, Motion
 from solver.continuation.quasistatic import QuasiStatic
 from solver.continuation.replay import advanced
-from solver.continuation.state import End, NotConverged, Point
+from solver.continuation.rest import Judge
+from solver.continuation.state import End, NotConverged, Point, State
 from solver.continuation.trace import STATES, Branch, Trace, lagrange
 
 A, PERIOD = 1.0, 2.4
@@ -127,6 +129,18 @@ def test_slips_of_one_increment_are_each_located():
     done = stepper.increment(toy.at_rest(0.0, 0.0), fold + 4.5 * PERIOD)
     assert [slip.load for slip in done.slips] == pytest.approx(fold + PERIOD * np.arange(5), abs=1e-9)
     assert all(slip.located and slip.kind == "fold" for slip in done.slips)
+
+
+def test_a_fold_is_found_from_a_state_that_lies_on_it_to_the_tolerance():
+    """The load of that state may be above the fold's by its error, and the branch falls in every direction."""
+    toy = cubic().solved_to(1e-8)
+    past = [Point(CUBIC.fold + 5e-9, np.array([CUBIC.at + 1e-6]))]
+    past += [Point(float(v**3 - v), np.array([v])) for v in (CUBIC.at - 0.1, CUBIC.at - 0.2)]
+    state = State(*past[0], past)
+    corrector = Corrector(toy)
+    state = state._replace(secants=corrector.secants())
+    end = continue_branch(corrector, Judge(1.0), state, CUBIC.fold + 0.1)
+    assert end.kind == "fold" and end.load == pytest.approx(CUBIC.fold, abs=1e-8)
 
 
 @pytest.mark.parametrize("chord", [None, np.ones(1)], ids=["load", "arc"])
