@@ -24,14 +24,14 @@ class TransientOptions:
     start: float = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
     # times `start`, the distance from the end of the branch within which the motion counts as starting
     left: float = 4.0
-    # factor of the usual steps while the motion starts, as long as it moves less than a quarter of `crawl` between two
-    # checks. Faster starts with such steps led one slip in a thousand to another equilibrium; 4 does so, too
+    # factor of the usual steps while the motion starts and moves less than a quarter of `crawl` between two checks.
+    # Without that limit one slip in a thousand ended in another equilibrium
     slow: float = 3.0
     # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
     # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
     finer: tuple = (1, 2, 4, 16)
-    # units between two checks: in the overdamped limit steps are halved where a state moves more, and doubled where it
-    # moves less than a quarter of that, which a doubled step does not exceed, up to `crawl_longest` times the usual
+    # units between two checks: in the overdamped limit steps are halved where a state moves more. They are doubled,
+    # up to `crawl_longest` times the usual, where it moves less than a quarter of that
     crawl: float = 0.08
     crawl_longest: float = 256.0
     # units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
@@ -60,8 +60,8 @@ class TransientOptions:
     # most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
     # layers that detach
     budget: int = 250_000
-    # units from both ends of the motion, beyond which it counts as stalled where it slows down and speeds up again: as
-    # at a saddle, which it just passes, or where it just turns back. Oscillations about the ends stay below
+    # units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
+    # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
     stalled: float = 0.3
     stalls: int = 50  # most states kept for that; so many mean that it has stalled
     diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
