@@ -1,7 +1,7 @@
 """The routes of the server. It answers the ones listed here, and all others with 404.
 
 `panel serve` adds routes of its own. One of them, `/components/<module>/...`, imports the module that a visitor names.
-Undocumented in Bokeh 3.9: the patterns in `bokeh.server.urls`, of which every server is made, and the class
+Undocumented in Bokeh 3.9: the patterns in `bokeh.server.urls`, which every server answers, and the class
 `bokeh.server.server.BokehTornado`, which this module replaces; in Tornado 6.6: `Application.wildcard_router`, and
 the `params` of a connection.
 """

@@ -1,10 +1,13 @@
 """How soon a moved slider shows in a real browser: the first changed frame and the whole new curve, p50 and p95.
 
-`python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--json FILE]` starts a server unless it has a --url.
+`python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--throttle N] [--json FILE]` starts a server unless it
+has a --url.
 The page takes the times, from the slider's input event to the animation frame after the one that painted the new run.
 There is one visitor, on a warm server. Without --drag, each key step follows the curve of the one before.
 With it, each of three sliders is dragged at 20 moves a second, slowly and quickly, forth and back. It prints new curves
-per second, their age, and the time from the release to the exact run. Scenes are new to the server without --known.
+per second, their age, the time from the release to the exact run, the duration of interactions (Event Timing), and
+the bytes of a drag. --throttle 4 is a school's Chromebook: a processor 4 times as slow, on 1366 x 768. Scenes are new
+to the server without --known.
 """
 
 import argparse
@@ -25,6 +28,11 @@ WATCH = """
 (name) => {
   const slider = document.getElementById(name), entry = document.getElementById(`${name}-entry`)
   window.marks = []
+  window.interactions = []  // ms, of Event Timing
+  window.observer ??= new PerformanceObserver((list) => {
+    for (const { interactionId, duration } of list.getEntries()) if (interactionId) interactions.push(duration)
+  })
+  observer.observe({ type: "event", durationThreshold: 16 })
   window.curves = []  // whole new ones: when painted, and how long after their value was chosen
   const mine = window.watching = {}  // what watched before ends
   slider.addEventListener("input", (event) => { // after the page, which writes the value into the entry
@@ -67,6 +75,11 @@ def percentile(values, part):
     return ordered[min(len(ordered) - 1, int(part * len(ordered)))] if ordered else float("inf")
 
 
+def bytes_of(message):
+    """The bytes of a message of a websocket as the browser reports it: binary ones in base64."""
+    return len(message["payloadData"]) * (0.75 if message["opcode"] == 2 else 1.0)
+
+
 def settle(page, name=None):
     """Wait for the exact run of where the slider is."""
     if name:
@@ -87,8 +100,8 @@ def step_by_step(page, moves):
         print(f"{name:20s} p50 {percentile(times, 0.5):4.0f} ms   p95 {percentile(times, 0.95):4.0f} ms")
 
 
-def drag(page, name, positions, moves):
-    """Drag a slider by so many positions a move from where it is: what was seen."""
+def drag(page, name, positions, moves, received):
+    """Drag a slider by so many positions a move from where it is: what was seen; received: bytes of each message."""
     page.evaluate(WATCH, name)
     box = page.locator(f"#{name}").bounding_box()
     at, last = (int(page.locator(f"#{name}").evaluate(f"(e) => e.{what}")) for what in ("value", "max"))
@@ -97,6 +110,7 @@ def drag(page, name, positions, moves):
         thumb = 16.0  # px, of Chromium
         return box["x"] + thumb / 2 + (box["width"] - thumb) * position / last, box["y"] + box["height"] / 2
 
+    received.clear()
     page.mouse.move(*point(at))
     page.mouse.down()
     begun = time.monotonic()
@@ -104,10 +118,10 @@ def drag(page, name, positions, moves):
         page.mouse.move(*point(min(last, max(0, at + k * positions))))
         page.wait_for_timeout(max(1.0, 1000 * (begun + k * PACE - time.monotonic())))  # the rhythm of a hand
     page.mouse.up()
-    up = page.evaluate("performance.now()")
+    up, size = page.evaluate("performance.now()"), sum(received)
     settle(page, name)
     page.wait_for_function("curves.at(-1)?.exact", timeout=60_000)
-    marks, curves = page.evaluate("[marks, curves]")
+    marks, curves, interactions = page.evaluate("[marks, curves, interactions]")
     held = [curve for curve in curves if curve["at"] <= marks[-1]["at"] + 250 and not curve["exact"]]
     seconds = (marks[-1]["at"] - marks[0]["at"]) / 1000
     ages = [curve["age"] for curve in held]
@@ -117,22 +131,30 @@ def drag(page, name, positions, moves):
         "age p95": percentile(ages, 0.95),
         "followed": sum(curve["followed"] for curve in held) / max(1, len(held)),
         "exact after": curves[-1]["at"] - up,
+        "interactions p75": percentile(interactions or [16.0], 0.75),  # 16 ms and less are not reported
+        "kB a second": size / 1e3 / seconds,
     }
 
 
 def drags(page, moves):
     """Drag each slider slowly and quickly, forth and back; print each row; return {name: what was seen}."""
-    found = {}
+    found, received = {}, []
+    session = page.context.new_cdp_session(page)
+    session.send("Network.enable")
+    session.on("Network.webSocketFrameReceived", lambda event: received.append(bytes_of(event["response"])))
     for name, ways in DRAGS.items():
         for pace, positions in zip(("slow", "quick"), ways, strict=True):
             for way, sign in (("forth", 1), ("back", -1)):
                 settle(page)
-                seen = found[f"{name} {pace} {way}"] = drag(page, name, sign * positions, moves)
+                seen = found[f"{name} {pace} {way}"] = drag(page, name, sign * positions, moves, received)
                 said = ", ".join(f"{what} {value:.3g}" for what, value in seen.items())
                 print(f"{name:10s} {pace:5s} {way:5s} {said}", flush=True)
-    rates, ages = (sorted(seen[what] for seen in found.values()) for what in ("curves a second", "age p50"))
+    seen = {what: sorted(row[what] for row in found.values()) for what in next(iter(found.values()))}
+    rates = seen["curves a second"]
     print(f"curves a second: median {percentile(rates, 0.5):.1f}, worst {rates[0]:.1f}", end="; ")
-    print(f"age p50: median {percentile(ages, 0.5):.0f} ms")
+    print(f"age p50: median {percentile(seen['age p50'], 0.5):.0f} ms", end="; ")
+    print(f"interactions p75: median {percentile(seen['interactions p75'], 0.5):.0f} ms", end="; ")
+    print(f"kB a second: median {percentile(seen['kB a second'], 0.5):.0f}")
     return found
 
 
@@ -156,15 +178,18 @@ def main():
     parser.add_argument("--moves", type=int, default=40, help="of a drag or, step by step, of all: 120 at most")
     parser.add_argument("--known", action="store_true", help="the same scenes every time, which the server has stored")
     parser.add_argument("--drag", action="store_true", help="move on every 50 ms without waiting, as a hand does")
+    parser.add_argument("--throttle", type=float, default=1.0, help="times as slow a processor, on a small screen")
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()
     chromium = os.environ.get("CHROMIUM") or shutil.which("chromium")
     with served(options.url) as url, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=BROWSER)
-        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        width, height = (1366, 768) if options.throttle > 1 else (1440, 900)
+        page = browser.new_page(viewport={"width": width, "height": height})
         stiffness = 70.0 if options.known else 70.0 + time.time() % 1.0
         page.goto(f"{url}?E={stiffness:.6f}" + ("" if options.drag else "&delta_bar=-0.3"))
         page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
+        page.context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": options.throttle})
         found = (drags if options.drag else step_by_step)(page, options.moves)
         browser.close()
     load = " ".join(f"{part:.1f}" for part in os.getloadavg())

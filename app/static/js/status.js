@@ -136,7 +136,7 @@ function gettingReady() {
   return done ? `compiling: ${done} of ${all} kernels` : "the solver gets ready"
 }
 
-const STATES = { // state of a run: what is said of it
+const STATES = { // {state of a run: its text}
   warming: gettingReady,
   running: ({ frames, total }) => `${frames} of ${total} increments${doing()}`,
   refining: ({ frames, total }) => `${frames} of ${total} increments`,
