@@ -23,7 +23,7 @@ DEPTHS = tuple(k / 10 for k in range(-3, 9))  # delta_bar of a sweep: from a pul
 
 def compose() -> list[Any]:
     tooltips = [("", "@label"), ("L", "@L{0.0} N/m"), ("Fₛ", "@F{0.0} N/m")]
-    plot = blank("load_slips", "load L (N/m)", "friction Fₛ at the first slip (N/m)")
+    plot = blank("load_slips", "load L (N/m)", "friction Fₛ (N/m)")
     add_zero(plot)
     add(plot, "no load", Span(dimension="height", location=0.0, line_width=2, line_dash="dashed"), "--text")
     draw(plot, Line, "mark runs", "--repulsive", "L", "F", line_width=1.5)
