@@ -158,7 +158,7 @@ def work_precision(
             look = {"color": colour, "alpha": alpha}
             value = hv.Dimension(swept, label=f"{swept} ({LIMITS[swept].unit})")
             marks = hv.Points((*at, values), [kdim, vdim], value)
-            labels = hv.Labels((*at, values if alpha == 1.0 else [""] * len(own)), [kdim, vdim], "beside")
+            labels = hv.Labels((*at, [f"   {each}" if alpha == 1.0 else "" for each in values]), [kdim, vdim], "beside")
             parts += [
                 hv.Curve(at, kdim, vdim, label=name if alpha == 1.0 else "").opts(**look),
                 marks.opts(size=9, marker=marker, tools=["hover"], **look),
@@ -308,7 +308,7 @@ def measured_curves(measured: Any, curve: Any, found: Any, scene: Scene) -> hv.O
                 color=COLOURS[1], line_dash=dash, line_width=3
             ),
         ]
-    return _live(parts, legend_position="right")
+    return _live(parts)
 
 
 def residuals(measured: Any, curve: Any, found: Any, scene: Scene) -> hv.Overlay:

@@ -39,6 +39,7 @@ FREE = {  # label: parameter that can be free
 LONG = 120.0  # s, time limit of a fit
 SEEDS = 2**32  # number of seeds of example data
 HOW = {"rank": HEAVY, "seconds": LONG, "private": True, "streams": True}
+NARROW = {"sizing_mode": "stretch_width", "stylesheets": [".bk-input-group { flex-wrap: wrap }"]}  # in lines
 NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # true values that example data do not change
 
 
@@ -138,7 +139,7 @@ class Fit(LabPage):
             pn.FlexBox(
                 file,
                 pn.widgets.Button(label="Generate example data", on_click=lambda event: self.start(self.example)),
-                pn.widgets.CheckBoxGroup.from_param(self.param.free, inline=True),
+                pn.widgets.CheckBoxGroup.from_param(self.param.free, inline=True, **NARROW),
                 pn.widgets.Button(label="Fit", on_click=lambda event: self.start(self.fit)),
                 pn.widgets.Button(label="Apply to sliders", on_click=self.apply),
             ),

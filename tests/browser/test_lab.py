@@ -18,6 +18,8 @@ def test_a_page_opens_from_the_menu_with_the_scene_and_returns_with_it(visit, na
     page.get_by_role("heading", name=lab.PAGES[name]).wait_for()
     assert page.title() == lab.PAGES[name] and "E=35" in page.url
     page.get_by_role("button", name="Cancel").wait_for(state="hidden", timeout=PATIENCE)
+    page.set_viewport_size({"width": 820, "height": 1180})
+    page.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
     assert not found_by_axe(page).keys() & SERIOUS
     page.get_by_role("link", name="Back to the experiment").click()
     finished(page)

@@ -22,7 +22,7 @@ WATCH = """() => {
     const look = () => {
         requestAnimationFrame(look)
         const { picture, charted, lost, dragging, playing, film, fresh } = punch
-        if (fresh || film || lost || !picture || !charted?.scene || !picture.run.scene) return
+        if (film || lost || !picture || !charted?.scene || !picture.run.scene) return
         const { run, k } = picture, moving = playing || dragging, time = performance.now()
         const tell = (what) => { if (wrong.length < 20) wrong.push(`${what} [picture ${pictures}, increment ${k}]`) }
         const now = moving ? phaseSentence(run, k) : nowSentence(run, k)
@@ -31,6 +31,7 @@ WATCH = """() => {
         recent.push(...[now, nowSentence(run, k), phaseSentence(run, k)].map((each) => ({ ...each, time })))
         if (picture !== last) pictures++
         last = picture
+        if (fresh) return // more of it is being drawn
         for (const [of, flag, what] of [[run, "stale", "the punch"], [charted, "mixed", "the curves"]]) {
             const other = entered(of)
             if (!other.length || dataset[flag] === "true" || (dragging && of.followed)) continue
