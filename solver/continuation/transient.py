@@ -213,13 +213,14 @@ class Transient:
     def _raise_load(self, returned):
         """Raise the load where the motion does not rest, or where it `returned`: the branch goes on a little farther.
 
-        Finer steps raise it as slowly as the usual ones. Raises TooLong or Restless where that does not help.
+        From flutter, finer steps raise it as slowly as the usual ones. Raises TooLong or Restless where that does not
+        help.
         """
         if not returned and self.trial.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
         options, most = self.options, self.options.raised_most * self.unit
         share = min(max(0.1 * most, options.raised * (self.load - self.end.load)), most)
-        self.load += share / self.trial.finer
+        self.load += share / self.trial.finer if self.end.kind == "flutter" else share
         if self.load > self.end.load + options.farthest * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
         self.sharper, self.motion.load = 1.0, self.load
