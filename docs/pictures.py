@@ -62,10 +62,7 @@ def shown(page, k):
 def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
-    page.locator("[data-name=E] .mark").first.wait_for(timeout=120_000)  # the last to be computed
     _save(page, "app.webp")
-    for _ in range(2):
-        page.evaluate("document.getElementById('lens-on').click()")
     plain = "(of) => { of.value = 'plain'; of.dispatchEvent(new Event('change')) }"
     page.locator("#stress").evaluate(plain)  # fringes: their colours are too many for a GIF
     images = []
