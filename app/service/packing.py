@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.limits import FLAT
 from solver import Frame, Scene
 from solver.files import plain
 from solver.following.skeleton import Skeleton
@@ -28,7 +29,6 @@ ORDER = tuple(STAGES)  # what the column "stage" counts, but of path "points": s
 # attraction, no view shows them, and their gap would coarsen the scale of the others
 SEEN = 13.0
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per frame and node
-FLAT = 160  # nodes sent of a flat surface, where all are alike
 LEVEL = 3  # of zlib: a default run takes 20 ms; with 6 it takes 80 ms for 11 % fewer bytes
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
 LARGEST = ("residual", "widest", "overlap", "safe_damping", "sensitive")  # of Frames: of two parts the larger one

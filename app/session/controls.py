@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.limits import DEFAULT, INCREMENTS, MOST, NUMBERS, increments_of
+from app.limits import DEFAULT, FLAT, INCREMENTS, MOST, NUMBERS, increments_of
 from app.session import profiles
 from solver import CHOICES, LIMITS, Profile, ProfileError, Scene, SceneError
 from solver.presets import presets
@@ -195,13 +195,14 @@ def with_profile(scene: Scene, profile: Profile) -> Scene:
 def _refuse_large(scene, values):
     """Raise SceneError if the run is too large for a browser."""
     increments = increments_of(scene)
-    if increments > INCREMENTS or increments * scene.nodes > NUMBERS:
+    nodes = min(FLAT, scene.nodes) if scene.surface == "flat" else scene.nodes
+    if increments > INCREMENTS or increments * nodes > NUMBERS:
         name = next((name for name in ("nodes", "du_x", "du_z", "u_x_max") if name in values), "u_x_max")
         raise SceneError(
             name,
             getattr(scene, name),
-            f"the run would take {increments} increments of {scene.nodes} nodes,"
-            f" allowed here: {min(INCREMENTS, NUMBERS // scene.nodes)} increments",
+            f"the run would take {increments} increments of {nodes} nodes,"
+            f" allowed here: {min(INCREMENTS, NUMBERS // nodes)} increments",
             "shorten it, enlarge du_x or du_z, or use python -m solver run",
         )
 

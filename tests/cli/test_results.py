@@ -180,7 +180,6 @@ def test_the_plot_is_saved_as_html_and_other_suffixes_are_rejected(result, tmp_p
 
 
 def test_pictures_are_saved_with_scene_and_version(result, tmp_path):
-    pytest.importorskip("matplotlib")
     for name in ("run.png", "run.svg"):
         result.save(tmp_path / name)
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
