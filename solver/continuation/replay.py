@@ -6,7 +6,7 @@ import numpy as np
 
 from .corrector import Corrector
 from .problem import Stepper
-from .state import Increment, State
+from .state import Increment, Point, State
 from .trace import FEWEST_STATES, SAME_STATE, STENCIL, Branch, Trace
 
 
@@ -22,17 +22,26 @@ def advanced(
         repeated = _repeated(stepper.problem, state, target, trace)
         if repeated is not None:
             return repeated
-        trace = Trace.of(state, trace.jumps)
+        if not trace.branches[0].periodic:
+            trace = Trace.of(state, trace.jumps)
     done = stepper.increment(state, target)
     if spacing is None:
         ends = (slip._replace(after=None) for slip in done.slips)
         return done, Trace.of(done.state, (*trace.jumps, *ends))
-    if trace.period:  # smooth sliding between too few states
-        return done, trace
+    if trace.period and not done.slips:  # smooth sliding, where states are too few or the branch is too steep
+        return done, _with_state(stepper.problem, trace, done.state)
+    if trace.period:
+        trace = Trace.of(state, trace.jumps)
     trace = trace.extended(done)
     landed = bool(done.slips) and all(slip.located for slip in done.slips)
     closes = landed or len(trace.branches) == 1
     return done, trace.closed(stepper.problem, spacing) if closes else trace
+
+
+def _with_state(problem, trace, state):
+    """The Trace of smooth sliding with a State that was solved for, moved back by whole periods."""
+    shift = max(0, ceil((state.load - trace.end) / trace.period)) * trace.period
+    return trace.added(trace.branches[0], Point(state.load - shift, state.v - shift * problem.direction))
 
 
 def _describes(trace):

@@ -7,7 +7,6 @@ Under a held load the height of the top is the last unknown.
 """
 
 import numpy as np
-from numba import njit
 
 from ..continuation.state import TINY
 from .cohesive_law import add_product, alike
@@ -92,12 +91,14 @@ class Linearised:
         """dR/dv, dense; None of more than FORMED nodes."""
         if self.m > FORMED:
             return None
-        out = np.empty((2 * self.m,) * 2)
-        _fill(self.contact.modes.kernels, self.J, out)
+        nodes, kernels, J = np.arange(self.m), self.contact.modes.kernels, self.J
+        xx, zz, xz = kernels[:, np.subtract.outer(nodes, nodes) % kernels.shape[1]]
+        CJ = np.block([[xx * J[0] + xz * J[2], xx * J[1] + xz * J[3]], [zz * J[2] - xz * J[0], zz * J[3] - xz * J[1]]])
+        tangent = CJ - np.eye(2 * self.m)
         if not self.problem.held:
-            return -out
+            return tangent
         column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
-        return np.block([[-out, column[:, None]], [rise, 0.0]])
+        return np.block([[tangent, column[:, None]], [rise, 0.0]])
 
     def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (size,), a new array; counts as a force evaluation, unless K x is given: `layered`."""
@@ -173,19 +174,3 @@ class Linearised:
         k, J = self.contact.modes.stiffness.copy(), self.J[:, 0]
         k[1, 0] = self.surface.stiffness[1, 0]  # none under a held load
         return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
-
-
-@njit(cache=True, nogil=True)
-def _fill(kernels, J, out) -> None:
-    """out (2 m, 2 m) = I - C J; J: (4, m) GPa/nm; kernels: C, nm/GPa, as of `layer.Modes`."""
-    m, n = J.shape[1], kernels.shape[1]
-    for i in range(m):
-        for j in range(m):
-            d = (i - j) % n
-            xx, zz, xz = kernels[0, d], kernels[1, d], kernels[2, d]
-            out[i, j] = -(xx * J[0, j] + xz * J[2, j])
-            out[i, m + j] = -(xx * J[1, j] + xz * J[3, j])
-            out[m + i, j] = xz * J[0, j] - zz * J[2, j]
-            out[m + i, m + j] = xz * J[1, j] - zz * J[3, j]
-        out[i, i] += 1.0
-        out[m + i, m + i] += 1.0
