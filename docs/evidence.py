@@ -84,13 +84,6 @@ COMMANDS = {
         "A map of first slips against exact runs at 60 of its points.",
         (BENCH + "map.py",),
     ),
-    "stability": Entry(
-        "Robustness",
-        "Stiff and extreme scenes",
-        "Every eleventh of 2,000 scenes with extreme parameters, rechecked in long double and by dense spectra; closed"
-        " forms; round-off of each formula.",
-        ("tests/validation/stability.py", "--quick"),
-    ),
     "mixed": Entry(
         "Accuracy",
         "Adhesion with shear against fracture mechanics",
@@ -102,6 +95,13 @@ COMMANDS = {
         "What this comparison notices",
         "The same with one parameter changed, in the theory or in the run: is the error larger than allowed?",
         ("tests/validation/mixed_mode.py", "--mutations"),
+    ),
+    "stability": Entry(
+        "Robustness",
+        "Stiff and extreme scenes",
+        "Every eleventh of 2,000 scenes with extreme parameters, rechecked in long double and by dense spectra; closed"
+        " forms; round-off of each formula.",
+        ("tests/validation/stability.py", "--quick"),
     ),
     "jumps": Entry(
         "Robustness",

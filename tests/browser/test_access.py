@@ -85,6 +85,7 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
     assert "newtons per metre" in page.inner_text("#announcement")
     page.locator("body").press("]")
     page.wait_for_function("document.getElementById('announcement').textContent.startsWith('Slip at')")
+    page.wait_for_function("punch.run.curves.slip[punch.drawn] > 0")
     at = page.evaluate("punch.run.curves.slip_at[punch.drawn].toFixed(1)")  # as the sentence says it
     assert f"displacement of {at} nanometres" in page.inner_text("#announcement")
 

@@ -241,6 +241,6 @@ def test_theme_follows_the_browser_and_switching_it_keeps_the_run(visit):
     page = visit(color_scheme="dark")
     finished(page)
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
-    page.get_by_role("button", name="Switch between light and dark").click()
+    from_menu(page, "#theme")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert page.evaluate("punch.run.number") == 1

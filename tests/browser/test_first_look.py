@@ -58,7 +58,7 @@ def test_more_is_remembered_and_is_part_of_a_shared_link(server, browser):
     assert not page.evaluate("'more' in document.documentElement.dataset")
     page.get_by_role("button", name="More").click()
     from_menu(page, "#take")
-    assert "more=1" in page.input_value("#share-link")
+    page.wait_for_function("document.getElementById('share-link').value.includes('more=1')")
     page.goto(server.address)
     assert page.evaluate("'more' in document.documentElement.dataset")
     page.goto(f"{server.address}?embed=1")

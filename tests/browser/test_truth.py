@@ -67,7 +67,8 @@ WATCHED = """() => {
     window.watched = []
     const look = () => {
         if (window.punch?.run && punch.status.values) {
-            const grey = document.querySelector(".page").dataset.stale === "true"
+            const { stale, drawn } = document.querySelector(".page").dataset
+            const grey = stale === "true" || drawn === undefined // nothing is in sight yet
             const lost = !document.getElementById("lost").hidden
             const [of, entry] = [punch.run.scene?.E, Number(document.getElementById("E-entry").value)]
             watched.push([lost, grey, of, entry])

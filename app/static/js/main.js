@@ -67,6 +67,12 @@ export function start({ wire, figures, slots, declarations, index }) {
   channel.order("hello")
   pages.openAsked()
   if (embedded) connectCaption()
+  let kept = false // Share and tables open without the server, too, so that they come while it is there
+  view(["status"], () => {
+    if (kept || me.status.state !== "finished") return
+    kept = true
+    for (const name of ["share", "tables"]) import(`./${name}.js`)
+  })
   const stop = Number(new URLSearchParams(location.search).get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
 }
