@@ -62,6 +62,8 @@ def shown(page, k):
 def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
+    page.wait_for_function("() => !document.getElementById('fringes').hidden", timeout=120_000)
+    shown(page, 109)
     _save(page, "app.webp")
     plain = "(of) => { of.value = 'plain'; of.dispatchEvent(new Event('change')) }"
     page.locator("#stress").evaluate(plain)  # fringes: their colours are too many for a GIF
