@@ -18,7 +18,7 @@ from app.service.pool import HEAVY
 from solver import Scene
 from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
-from solver.plots import WORKS, work_precision
+from solver.live_plots import WORKS, work_precision
 
 TITLE = "Accuracy"
 STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py

@@ -18,7 +18,7 @@ from app.service.jobs import jobs
 from solver import Scene, SceneError
 from solver.analysis.area_laws import QuadraticLaw, ThresholdLaw, quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES
-from solver.plots import area_curves, thresholds
+from solver.live_plots import area_curves, thresholds
 from solver.presets import presets
 
 TITLE = "Area laws"

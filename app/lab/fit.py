@@ -22,7 +22,7 @@ from app.service.pool import HEAVY
 from app.session.orders import LARGEST
 from solver import Scene
 from solver.analysis.measurement import Measurement
-from solver.plots import measured_curves, residuals
+from solver.live_plots import measured_curves, residuals
 from solver.text import counted
 
 TITLE = "Fit"

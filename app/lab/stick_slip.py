@@ -19,7 +19,7 @@ from app.service.jobs import jobs
 from solver import Frame, Scene, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, mean_friction, sliding
-from solver.plots import curves, friction_map, mean_curve
+from solver.live_plots import curves, friction_map, mean_curve
 from solver.presets import presets
 
 TITLE = "Stick-slip"

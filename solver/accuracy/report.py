@@ -139,13 +139,15 @@ def _diagrams(report, sweep):
     """A diagram over each work; none where no run of the sweep has an error."""
     import holoviews as hv
 
-    from ..plots import WORKS, work_precision
+    from ..live_plots import WORKS, work_precision
+    from ..plots import drawn_with
 
     label, error = ERRORS[sweep]
     points, unit = [p for p in report.of(sweep) if not p.failure and error(p) is not None], LIMITS[sweep].unit
     look = {"responsive": False, "width": 550, "height": 430, "title": f"{sweep} swept [{unit}]: values beside points"}
-    overlays = [work_precision(points, work, error=error, label=label, swept=sweep) for work in WORKS if points]
-    return [hv.render(overlay.opts(**look), backend="bokeh") for overlay in overlays]
+    with drawn_with("bokeh"):
+        overlays = [work_precision(points, work, error=error, label=label, swept=sweep) for work in WORKS if points]
+        return [hv.render(overlay.opts(**look), backend="bokeh") for overlay in overlays]
 
 
 def data(report: Report) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import sys
 from html import escape, unescape
 from types import SimpleNamespace
 
+import holoviews
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,6 +16,7 @@ import solver
 from solver import Axis, Map, Scene, explored, load_path, plots, read_profile, simulate, summarize, sweep
 from solver.cli import main
 from solver.files import report_of, write_npz
+from solver.live_plots import LIVE, curves
 from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
@@ -184,6 +186,20 @@ def test_pictures_are_saved_with_scene_and_version(result, tmp_path):
         result.save(tmp_path / name)
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
     assert f"mixed-mode-contact {solver.__version__}" in (tmp_path / "run.svg").read_text()
+
+
+@pytest.mark.parametrize("chosen", plots.SIZES)
+def test_saving_a_picture_leaves_the_backend_of_a_notebook_as_chosen(result, tmp_path, chosen):
+    with plots.drawn_with(chosen):
+        for name in ("run.png", "run.html"):
+            result.save(tmp_path / name)
+            assert holoviews.Store.current_backend == chosen
+
+
+def test_the_plots_of_research_pages_are_drawn_with_bokeh_in_a_notebook_that_has_chosen_matplotlib():
+    with plots.drawn_with("matplotlib"):
+        drawn = curves({"F": ([0.0, 1.0], [1.0, 2.0])}, "U_x (nm)", "F (N/m)")
+    assert holoviews.render(drawn, backend="bokeh").height == LIVE["height"]
 
 
 def test_a_picture_without_matplotlib_is_refused_with_what_to_install(result, tmp_path, monkeypatch, capsys):
