@@ -9,9 +9,9 @@ from scipy.linalg import lu_factor, lu_solve
 from .anderson import dot
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
-PRODUCTS = (
-    240  # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
-)
+# most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
+PRODUCTS = 240
+ROOM = 16  # pairs at first, as many as most searches need: memory for all, never touched, took half of a search's time
 # of the accuracy asked for, up to which an iterated solve serves: a digit is worth less than factors. 5 and 20 change
 # no run of tests/bench/constants.py
 LAX = 10.0
@@ -24,8 +24,8 @@ class Inverse:
 
     def __init__(self, product: Callable, size: int, most: int = PRODUCTS):
         """product: w -> A w; most: products in all solves."""
-        self.product, self.size, self.rows = product, size, 0
-        self._z, self._q = np.empty((2, most, size))  # memory is taken only by rows that are written
+        self.product, self.size, self.most, self.rows = product, size, most, 0
+        self._z, self._q = np.empty((2, min(ROOM, most), size))
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
         """w (size,) with |A w - b| <= accuracy |b|, or as close to that as `most` products lead."""
@@ -37,12 +37,20 @@ class Inverse:
         _share(self._z, self._q, 0, self.rows, w, r)
         bound = accuracy**2 * dot(b, b)
         while dot(r, r) > bound:
+            if self.rows == len(self._q):
+                self._z, self._q = self._wider()
             z = r.copy()
             if not orthonormalise(self._q, self.rows, self.product(z), self._z, z):
                 break
             self.rows += 1
             _share(self._z, self._q, self.rows - 1, self.rows, w, r)
         return w, r
+
+    def _wider(self):
+        """(z, q) with room for twice as many pairs, at most for `most`."""
+        wider = np.empty((2, min(2 * self.rows, self.most), self.size))
+        wider[:, : self.rows] = self._z, self._q
+        return wider
 
 
 class NotSolved(ArithmeticError):
