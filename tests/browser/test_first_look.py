@@ -17,6 +17,21 @@ IDEA = "#punch-view", "#sentence", ".view[data-view=forces]", "#delta_bar", "#ph
 MORE = "#lens", "#bands", ".view[data-view=area]", ".view[data-view=map]", ".term", ".mark", ".as-table", "#readout"
 
 
+@pytest.fixture
+def first_visit(server, browser):
+    """first_visit(query) -> the app in a browser that has stored nothing of it, once its run is finished."""
+    context = browser.new_context(reduced_motion="reduce")
+
+    def opened(query=""):
+        page = context.new_page()
+        page.goto(f"{server.address}{query}")
+        finished(page)
+        return page
+
+    yield opened
+    context.close()
+
+
 def visible(page, parts):
     return [part for part in parts if page.locator(f"{part}:visible").count()]
 
@@ -50,11 +65,8 @@ def test_more_adds_its_parts_at_once_and_takes_them_away_again(look):
 
 
 @pytest.mark.thorough
-def test_more_is_remembered_and_is_part_of_a_shared_link(server, browser):
-    context = browser.new_context(reduced_motion="reduce")
-    page = context.new_page()
-    page.goto(server.address)
-    finished(page)
+def test_more_is_remembered_and_is_part_of_a_shared_link(server, first_visit):
+    page = first_visit()
     assert not page.evaluate("'more' in document.documentElement.dataset")
     page.get_by_role("button", name="More").click()
     from_menu(page, "#take")
@@ -63,26 +75,18 @@ def test_more_is_remembered_and_is_part_of_a_shared_link(server, browser):
     assert page.evaluate("'more' in document.documentElement.dataset")
     page.goto(f"{server.address}?embed=1")
     assert not page.evaluate("'more' in document.documentElement.dataset")
-    context.close()
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["?more=1", "?view=lab", "?force=bar"])
-def test_a_link_that_uses_parts_of_more_shows_them_to_a_first_visitor(server, browser, query):
-    context = browser.new_context(reduced_motion="reduce")
-    page = context.new_page()
-    page.goto(f"{server.address}{query}")
-    finished(page)
+def test_a_link_that_uses_parts_of_more_shows_them_to_a_first_visitor(first_visit, query):
+    page = first_visit(query)
     page.locator("#readout").wait_for()
-    context.close()
 
 
 @pytest.mark.thorough
-def test_the_hint_to_drag_goes_with_the_first_move_and_is_not_for_links(server, browser):
-    context = browser.new_context(reduced_motion="reduce")
-    page = context.new_page()
-    page.goto(server.address)
-    finished(page)
+def test_the_hint_to_drag_goes_with_the_first_move_and_is_not_for_links(server, first_visit):
+    page = first_visit()
     hint = page.locator("#grab")
     hint.wait_for()
     page.focus("#E")
@@ -91,7 +95,6 @@ def test_the_hint_to_drag_goes_with_the_first_move_and_is_not_for_links(server, 
     page.goto(f"{server.address}?preset=fig6")
     finished(page)
     assert hint.is_hidden()
-    context.close()
 
 
 @pytest.mark.thorough
