@@ -56,7 +56,8 @@ def test_the_first_look_has_one_idea_and_at_most_sixteen_controls_and_marks(look
 def test_more_adds_its_parts_at_once_and_takes_them_away_again(look):
     page = large(look("?more=0"))
     page.get_by_role("button", name="More").click()
-    page.locator("#lens").wait_for()
+    for part in ("#lens", ".mark"):  # marks are searched after the run
+        page.locator(part).first.wait_for()
     assert visible(page, MORE) == list(MORE) and "more=1" in page.url
     assert page.locator("#sentence .term").count()
     page.get_by_role("button", name="More").click()
