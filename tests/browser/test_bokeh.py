@@ -15,7 +15,7 @@ def still(look):
     page = look()
     page.evaluate("punch.look++")  # drawn anew, whatever another test has filled in
     page.wait_for_function("() => !punch.fresh && punch.mapped")
-    imported(page, "bokeh", "figures", "channel").evaluate(
+    imported(page, "bokeh", "figures", "channel", "store").evaluate(
         f"""async () => {{
             const {{ bokeh, figures: {{ figures, parts }} }} = modules
             Object.assign(window, {{ bokeh, figures, parts, pixels: {PIXELS} }})
@@ -56,6 +56,82 @@ def test_repainting_reads_no_css_variable_and_leaves_style_sheets_unchanged(stil
         }"""
     )
     assert asked == 0 and written < 5  # and not one for each of some 30 things that are drawn
+
+
+def test_an_axis_is_painted_again_only_with_another_range_size_or_colour(still):
+    texts = still.evaluate(
+        """async () => {
+            const { prototype } = OffscreenCanvasRenderingContext2D, was = prototype.fillText, texts = []
+            let count = 0
+            prototype.fillText = function (...given) { count++; return was.apply(this, given) }
+            const { start, end } = figures.forces.y_range, axis = figures.forces.left[0]
+            const changes = [
+                () => bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [0, 1, 0] }),
+                () => bokeh.set(figures.forces.y_range, { start: start - 1 }),
+                () => bokeh.set(axis, { major_label_text_color: "#ff0000" }),
+                () => bokeh.set(axis, { axis_label_text_font_size: "17px" }),
+                () => bokeh.fill(parts.forces.F, { U_x: [0, 20, 40], value: [1, 0, 1] }),
+            ]
+            for (const change of changes) {
+                const before = pixels()
+                count = 0
+                change()
+                await bokeh.bokehPainted()
+                await screen2()
+                texts.push([count > 0, pixels() !== before])
+            }
+            bokeh.set(figures.forces.y_range, { start })
+            prototype.fillText = was
+            modules.store.redraw()
+            return texts
+        }"""
+    )
+    assert texts == [[False, True], [True, True], [True, True], [True, True], [False, True]]
+
+
+def test_marks_of_one_colour_are_painted_as_one_path_without_lines_between_them(still):
+    painted, inside = still.evaluate(
+        """async () => {
+            const { prototype } = CanvasRenderingContext2D, fill = prototype.fill
+            const canvas = bokeh.viewOf(figures.punch).canvas_view.primary.el
+            const { X, Y } = bokeh.frameBox(figures.punch), scale = canvas.width / canvas.clientWidth
+            const at = () => [...canvas.getContext("2d").getImageData(X(0) * scale, Y(3) * scale, 1, 1).data].join()
+            const before = at(), marks = Array.from({ length: 90 }, (_, i) => (2 * Math.PI * i) / 90)
+            let count = 0
+            prototype.fill = function (...given) { count++; return fill.apply(this, given) }
+            bokeh.fill(parts.punch.repulsive, { x: marks.map((t) => 90 * Math.cos(t)),
+                gap: marks.map((t) => 3 + Math.sin(t)), at: marks, T_n: marks, T_t: marks })
+            await bokeh.bokehPainted()
+            await screen2()
+            prototype.fill = fill
+            const painted = canvas.getContext("2d").getImageData(X(90) * scale, Y(3) * scale, 1, 1).data.join()
+            modules.store.redraw()
+            return [count, at() === before && painted !== before]
+        }"""
+    )
+    assert painted < 20 and inside
+
+
+def test_new_data_are_sorted_by_place_when_the_mouse_comes_not_before(still):
+    place, known = still.evaluate(
+        """async () => {
+            window.nodes = bokeh.viewOf(figures.punch).renderer_views.get(parts.punch.repulsive).glyph
+            window.sorted = Reflect.get(nodes, "_index")
+            const x = Array.from({ length: 41 }, (_, i) => 5 * (i - 20)), same = x.map(() => 3)
+            bokeh.fill(parts.punch.repulsive, { x, gap: same, at: x, T_n: same, T_t: same })
+            await bokeh.bokehPainted()
+            await screen2()
+            const { X, Y } = bokeh.frameBox(figures.punch)
+            return [[X(0), Y(3)], Reflect.get(nodes, "_index") !== sorted]
+        }"""
+    )
+    assert not known
+    view = still.locator("#punch-view").bounding_box()
+    still.mouse.move(view["x"] + place[0] + 1, view["y"] + place[1] + 1)
+    still.wait_for_function("() => Reflect.get(nodes, '_index') !== sorted")
+    still.locator(".bk-Tooltip", has_text="3.000 nm").first.wait_for()
+    still.mouse.move(1, 1)
+    still.evaluate("modules.store.redraw()")
 
 
 def test_several_changes_are_painted_once_and_painting_can_be_awaited(still):

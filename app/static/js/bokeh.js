@@ -84,17 +84,24 @@ export function image(renderer, values, shape) {
 }
 
 // At every painting Bokeh does work that changes nothing here. For each colour, font and width it looks for a style
-// --bk-* of the page, but this page has none. For each thing drawn it rewrites the same style sheet, so that the
-// browser computes all styles again. For each axis it asks for a size of the page's text, which only sizes in em need.
+// --bk-* of the page, but this page has none. For each thing drawn it writes a style sheet for an element that holds
+// nothing. For each axis it asks for a size of the page's text, which only sizes in em need.
 // Together that was most of a painting. Bokeh also leaves half a pixel at the top and the left as it was, and strokes
 // the ticks painted last with the outline.
-// methods of a visual, a style sheet, a plot
-const STYLES = "_get_css_value", REWRITE = "_update", PAINT = "_paint_primary", SIZE = "base_font_size"
+// methods of a visual, a plot
+const STYLES = "_get_css_value", ALL = "_paint_primary", SIZE = "base_font_size"
+// of anything drawn, of a glyph
+const PAINT = "_paint", MASK = "_mask_data", INDEX = "_index"
 let unburdened = false
 function prepare(view) {
   skip(view)
   if (!unburdened) unburden(view)
-  for (const renderer of view.renderer_views.values()) leaveLooks(renderer)
+  keepRanges(view)
+  for (const renderer of view.renderer_views.values()) {
+    renderer.update_position = idle
+    if (renderer.glyph) lighten(renderer)
+    if (renderer.model.ticker && renderer.model.formatter) keepAxis(renderer)
+  }
   // an empty canvas over a figure is a layer that the browser puts together with all others for every picture
   const overlaid = [...view.renderer_views.keys()].some(({ level }) => level === "overlay")
   if (!overlaid) view.canvas_view.overlays.el.style.display = "none"
@@ -104,9 +111,80 @@ function prepare(view) {
 // data and in each painting, but here they are never painted
 const LOOKS = ["decimated_glyph", "muted_glyph", "selection_glyph", "nonselection_glyph"]
 const idle = () => {}
-function leaveLooks(renderer) {
+function lighten(renderer) {
   for (const look of LOOKS.filter((name) => renderer[name]))
     Object.assign(renderer[look], { set_data: idle, set_visuals: idle, after_visuals: idle, map_data: idle })
+  indexLate(renderer.glyph)
+  if (renderer.glyph.model.type === "Scatter") paintTogether(renderer.glyph)
+}
+
+// Marks of one colour are painted as one path: one by one they are the most expensive part of a painting
+const STEPS = ["beginPath", "fill", "stroke"]
+function paintTogether(glyph) {
+  const { [PAINT]: paint } = glyph
+  glyph[PAINT] = (pen, ...what) => {
+    if (!glyph.fill_color.is_scalar || !glyph.line_color.is_scalar) return paint.call(glyph, pen, ...what)
+    const asked = new Set()
+    pen.beginPath()
+    for (const step of STEPS) pen[step] = () => { asked.add(step) }
+    pen.arc = (x, y, r, ...angles) => { // no line leads to it from the mark before
+      pen.moveTo(x + r, y)
+      CanvasRenderingContext2D.prototype.arc.call(pen, x, y, r, ...angles)
+    }
+    paint.call(glyph, pen, ...what)
+    for (const step of [...STEPS, "arc"]) delete pen[step]
+    for (const step of STEPS.slice(1)) if (asked.has(step)) pen[step]()
+  }
+}
+
+// With new data Bokeh sorts all points into a tree of places, to find those in the frame. All are: the tree is made
+// when the mouse asks for it
+function indexLate(glyph) {
+  const { index_data: sort } = glyph
+  let sorted = null
+  glyph[MASK] = null
+  glyph.index_data = () => { sorted = null }
+  Object.defineProperty(glyph, "index", { get() {
+    if (!sorted) sort.call(glyph)
+    return (sorted ??= glyph[INDEX])
+  } })
+}
+
+// Before each painting Bokeh computes what all data extend over, for ranges that follow it. Fixed ones do not
+function keepRanges({ frame: { x_ranges, y_ranges }, _range_manager: manager }) {
+  const fixed = [...x_ranges.values(), ...y_ranges.values()].every(({ type }) => type === "Range1d")
+  if (fixed) manager.update_dataranges = () => { manager.invalidate_dataranges = false }
+}
+
+// The texts of axes are half of a painting. An axis is kept as a picture until its range, its place or its look changes
+const BEYOND = 40 // px around an axis that its outermost texts reach
+function keepAxis(view) {
+  const { [PAINT]: paint, model } = view
+  const { get: measure } = Object.getOwnPropertyDescriptor(own(view, "extents"), "extents")
+  let looks = 0, shown = "", measured = "", picture = null, extents = null
+  for (const part of [model, model.ticker, model.formatter]) part.change.connect(() => { looks++ })
+  const now = () => [view.ranges[0].start, view.ranges[0].end, looks, ...view.plot_view.frame.bbox.args].join()
+  view[PAINT] = (pen) => {
+    const { a: scale, e, f } = pen.getTransform?.() ?? {}, { x, y, width, height } = view.bbox
+    if (!(scale > 0)) return paint.call(view, pen)
+    const key = [now(), x, y, width, height, scale, e, f].join()
+    const [left, top] = [x, y].map((at) => Math.floor((at - BEYOND) * scale))
+    if (key !== shown) {
+      const [wide, high] = [width, height].map((size) => Math.ceil((size + 2 * BEYOND) * scale))
+      const canvas = new OffscreenCanvas(wide, high), apart = canvas.getContext("2d")
+      apart.setTransform(scale, 0, 0, scale, e - left, f - top)
+      paint.call(view, apart)
+      shown = key
+      picture = canvas.transferToImageBitmap()
+    }
+    pen.setTransform(1, 0, 0, 1, 0, 0)
+    pen.drawImage(picture, left, top)
+    pen.setTransform(scale, 0, 0, scale, e, f)
+  }
+  Object.defineProperty(view, "extents", { get() {
+    if (now() !== measured) [measured, extents] = [now(), measure.call(view)]
+    return extents
+  } })
 }
 
 // No key does anything in a figure, so that the Tab key passes it; a canvas of a new size is a stop again
@@ -116,16 +194,13 @@ function skip(view) {
 }
 
 function unburden(view) {
-  const [renderer] = view.renderer_views.values()
-  const visual = own(view.visuals?.outline_line, STYLES), sheet = own(renderer?.position, REWRITE)
+  const visual = own(view.visuals?.outline_line, STYLES)
   unburdened = true
-  if (!visual || !sheet) return
+  if (!visual) return
   visual[STYLES] = () => ""
-  const rewrite = sheet[REWRITE]
-  sheet[REWRITE] = function (css) { if (this.el.textContent !== css) rewrite.call(this, css) }
-  const plot = own(view, PAINT), paint = plot?.[PAINT]
+  const plot = own(view, ALL), paint = plot?.[ALL]
   if (plot) Object.defineProperty(own(plot, SIZE) ?? plot, SIZE, { get: () => 13 }) // px
-  if (plot) plot[PAINT] = function (pen) {
+  if (plot) plot[ALL] = function (pen) {
     pen.beginPath()
     pen.clearRect(-1, -1, this.bbox.width + 2, this.bbox.height + 2)
     paint.call(this, pen)

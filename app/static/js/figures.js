@@ -69,7 +69,9 @@ export function drawCurves(run, ghost, approach) {
   const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
   if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
   const unit = forceUnit(), label = labelOf(unit), { names: { F, L }, factor } = unit
-  const part = (of, name) => of?.drawn(name, approach, name === "A" ? 1 : factor) ?? NOTHING
+  const known = new Map([run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => [of, {}])) // made once
+  const part = (of, name) =>
+    (of ? (known.get(of)[name] ??= of.drawn(name, approach, name === "A" ? 1 : factor)) : NOTHING)
   const { look } = me, was = curvesDrawn
   const same = ghost === was.ghost && label === was.label && approach === was.approach && look === was.look
   for (const [figure, line, name] of [["forces", "F", F], ["forces", "L", L], ["area", "A", "A"]]) {
@@ -85,7 +87,7 @@ export function drawCurves(run, ghost, approach) {
   if (label !== was.label) nameForces(unit)
   nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, unit, approach)
-  const values = (name) => [run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => part(of, name).value)
+  const values = (name) => [...known.keys()].map((of) => part(of, name).value)
   fitCurves(run, approach, [F, L].map(values), values("A"))
 }
 

@@ -9,9 +9,10 @@ import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
 import { me, redrawCanvases } from "./store.js"
 
-// of the picture in pixels, and in how many columns stress is summed; half as many while a slider is held
-const FINE = { wide: 320, high: 180, columns: 192 }, COARSE = { wide: 160, high: 90, columns: 96 }
-const ROWS = 60 // in which stress is summed
+// of the picture in pixels, and in how many columns and rows stress is summed; half as many while a slider is held
+const ROWS = 60
+const FINE = { wide: 320, high: 180, columns: 192, rows: ROWS }
+const COARSE = { wide: 160, high: 90, columns: 96, rows: ROWS / 2 }
 const SHADES = 64 // of a fringe
 const WAVES = 9 // of the shortest mode in half of the width shown
 const ORDERS = 3 // fringes in the key; the colours of a component end at so many
@@ -85,23 +86,23 @@ export function drawFringes(run, k) {
     Object.assign(canvas.style,
       { left: `${left}px`, top: `${top + BAR}px`, width: `${width}px`, height: `${height - BAR}px` })
   }
-  const size = me.dragging ? COARSE : FINE, stress = ordersIn(run, k, table, figure.x_range.end, size.columns)
+  const size = me.dragging ? COARSE : FINE, stress = ordersIn(run, k, table, figure.x_range.end, size)
   paintSheet(canvas, run, k, figure, { ...size, orders: stress, part: (height - BAR) / height, depth: deep })
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
 // is to where it hangs on the top. part: of the view's height, that is below the top; depth: of what is shown, in
-// rows / ROWS
-function paintSheet(canvas, run, k, { x_range, y_range }, { wide, high: rows, columns, orders, part, depth }) {
-  if (canvas.width !== wide) Object.assign(canvas, { width: wide, height: rows })
-  const pen = canvas.getContext("2d"), pixels = pen.createImageData(wide, rows)
+// parts of the table
+function paintSheet(canvas, run, k, { x_range, y_range }, { wide, high: tall, columns, rows, orders, part, depth }) {
+  if (canvas.width !== wide) Object.assign(canvas, { width: wide, height: tall })
+  const pen = canvas.getContext("2d"), pixels = pen.createImageData(wide, tall)
   const shades = new Uint32Array(pixels.data.buffer)
   const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
   const U_x = times * run.top(k)
   const { theme } = document.documentElement.dataset, signed = chosen() in COMPONENTS
   const inks = signed ? signedInks(chosen(), theme) : inksOf(theme), zero = signed ? ORDERS * SHADES : 0
   const half = x_range.end, nm = (2 * half) / wide, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
-  const step = (high - y_range.start) / rows
+  const step = (high - y_range.start) / tall
   for (let c = 0, i = 0; c < wide; c++) {
     const at = -half + (c + 0.5) * nm
     while (i < x.length - 2 && x[i + 1] < at) i++
@@ -109,12 +110,12 @@ function paintSheet(canvas, run, k, { x_range, y_range }, { wide, high: rows, co
     if (!(between >= 0 && between <= 1)) continue
     const surface = gap[i] + (gap[i + 1] - gap[i]) * between, u = at - ((first + i + between) * spacing - middle)
     const deep = high - surface
-    const last = Math.min(rows, Math.ceil((high - surface) / step))
+    const last = Math.min(tall, Math.ceil((high - surface) / step))
     for (let r = 0; r < last; r++) {
       const t = Math.max(0, 1 - ((r + 0.5) * step) / deep), column = (at - u - (U_x - u) * t + half) / nm - 0.5
-      const row = t * depth * ROWS - 0.5
+      const row = t * depth * rows - (0.5 * rows) / ROWS
       const j = Math.max(0, Math.min(columns - 2, Math.floor((column * columns) / wide)))
-      const l = Math.max(0, Math.min(ROWS - 2, Math.floor(row)))
+      const l = Math.max(0, Math.min(rows - 2, Math.floor(row)))
       const p = Math.max(0, Math.min(1, (column * columns) / wide - j)), q = Math.max(0, Math.min(1, row - l))
       const n = l * columns + j
       const fringe = (orders[n] * (1 - p) + orders[n + 1] * p) * (1 - q)
@@ -147,10 +148,10 @@ function signedInks(component, theme) {
   }))
 }
 
-// Fringe orders, or a component in fringes (ROWS, columns), from the tractions of frame k, the row at the surface first
-function ordersIn(run, k, table, half, columns) {
-  const component = COMPONENTS[chosen()], per = perFringe(), x = middles(columns, half)
-  if (component) return sumsIn(run, k, table, x, [component])[0].map((value) => value / per)
-  const [apart, sheared] = sumsIn(run, k, table, x, [APART, SHEARED])
+// Fringe orders, or a component in fringes (rows, columns), from the tractions of frame k, the row at the surface first
+function ordersIn(run, k, table, half, { columns, rows }) {
+  const component = COMPONENTS[chosen()], per = perFringe(), x = middles(columns, half), every = ROWS / rows
+  if (component) return sumsIn(run, k, table, x, [component], every)[0].map((value) => value / per)
+  const [apart, sheared] = sumsIn(run, k, table, x, [APART, SHEARED], every)
   return apart.map((a, i) => Math.sqrt(a * a + sheared[i] * sheared[i]) / per)
 }

@@ -54,17 +54,21 @@ export function tableMeanwhile(scene, { rows }) {
     JSON.stringify(geometry) === key && of.rows === rows)
 }
 
-// Weighted sums over the places x (nm from the middle) and the rows of a table, in frame k of a run: of each of
-// `weights` a Float32Array (rows, x.length), the row at the surface first; GPa
-export function sumsIn(run, k, { counts, factors }, x, weights) {
+// Weighted sums over the places x (nm from the middle) and every so many rows of a table, in frame k of a run: of each
+// of `weights` a Float32Array (rows, x.length), the row at the surface first; GPa
+export function sumsIn(run, k, { counts, factors }, x, weights, every = 1) {
   const T = tractionsOf(run, k, counts[0]), modes = wavesOver(x, counts[0], run.headOf(k)), wide = x.length
-  const sums = weights.map(() => new Float32Array(counts.length * wide))
+  const sums = weights.map(() => new Float32Array(Math.ceil(counts.length / every) * wide))
   const terms =
     weights.map((weight) => weight.flatMap((w, f) =>
       (w ? [[f, w, T[BY_SHEAR[f] ? 0 : 1], T[BY_SHEAR[f] ? 1 : 0]]] : [])))
   let at = 0
   counts.forEach((count, r) => {
-    const rows = sums.map((sum) => sum.subarray(r * wide, (r + 1) * wide))
+    if (r % every) {
+      at += count * FACTORS
+      return
+    }
+    const from = (r / every) * wide, rows = sums.map((sum) => sum.subarray(from, from + wide))
     for (let m = 0; m < count; m++, at += FACTORS) {
       const { cos, sin } = modes[m]
       for (let n = 0; n < rows.length; n++) {

@@ -29,7 +29,8 @@ export class Picture extends Run {
     this.cells = { ...map, values: read(Int8Array, map.rows * map.columns) }
     this.places = Array.from({ length: frames }, (_, k) => [chunk, k && 1])
     const still = (value) => Array.from({ length: frames }, () => value)
-    for (const name in this.curves) this.curves[name] = still(0)
+    const none = still(0)
+    for (const name in this.curves) this.curves[name] = none
     columns.forEach((name, i) => { this.curves[name] = [...curves[i]] })
     this.curves.index = this.curves.U_x.map((U_x) => Math.round(U_x / block.step))
     for (const name of ["stage", "delta"]) this.curves[name] = still(chunk.columns[name][1])

@@ -1,6 +1,6 @@
 // A run: its frames as they arrive (packed.js), and its curves and map as views ask for them.
 
-import { acts, Frames } from "./frames.js"
+import { acts, Frames, scaled } from "./frames.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 // Curves in units: of which column, and what its unit is
@@ -113,8 +113,8 @@ export class Run extends Frames {
   // {along, value} of a curve over a part, times `factor`
   drawn(name, approach, factor = 1) {
     const { from, to, abscissa } = this.part(approach)
-    const list = (of, by) => Float32Array.from(of.slice(from, to), (v) => v * by)
-    return { along: list(this.curves[abscissa], 1), value: list(this.curves[name], factor) }
+    const cut = (of) => this.curves[of].slice(from, to)
+    return { along: scaled(cut(abscissa), 1), value: scaled(cut(name), factor) }
   }
 
   // Nothing acts anywhere after the approach
