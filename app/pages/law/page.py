@@ -90,7 +90,7 @@ class Page(Sheet):
         s, gap = np.linspace(-0.5 * a, 0.5 * a, FINE + 1), np.linspace(LOWEST * d_n, HIGHEST * d_n, FINE + 1)
         middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (s, gap)]  # centres of pixels: T_t is 0 at the borders
         shear, normal = cohesive_law.traction(scene, *np.meshgrid(*middles))
-        shear = -shear  # as in the traction plot, traction against the motion is positive
+        shear = -shear  # as in the bands below the punch, traction against the motion is positive
         limits = {}
         for slot, field in (("shear_map", shear), ("normal_map", normal)):
             place = {"x": [s[0]], "y": [gap[0]], "dw": [s[-1] - s[0]], "dh": [gap[-1] - gap[0]]}
@@ -102,7 +102,6 @@ class Page(Sheet):
         self.draw("shear_law", "spring", s=s, value=2.0 * (s / d_t) * np.exp(-((s / d_t) ** 2)))
         force = -gap / d_n * np.exp(-gap / d_n)
         self.draw("normal_law", "law", gap=gap, value=force)
-        self.draw("normal_law", "spring", gap=[], value=[])
         self._fit(scene, float(np.abs(rise).max()))
         peak = float(abs(s[np.argmax(rise)]))
         self.publish(

@@ -60,7 +60,7 @@ export function described(run, k) {
   return `${scene}; ${run.leg(k)} increment ${at.index}, ${named("U_x", at.U_x)}, ${named("delta", at.delta)}`
 }
 
-// The increment on screen in numbers: beside the player with tools, and for those who hear the page
+// The increment on screen in numbers: above the player with *More*, and for those who hear the page
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}: ${spoken("U_x", v.U_x)}`)
