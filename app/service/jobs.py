@@ -234,7 +234,11 @@ class Jobs:
         with self._lock:
             if job.task is not task:  # cancelled, or submitted again
                 return
-            job.task, made = None, _outcome(task)
+            job.task = None
+            try:
+                made = task.result()
+            except (Exception, CancelledError) as error:  # an error in the code is in the log only
+                made = ERROR if getattr(error, "kind", "") == "error" else error
             if isinstance(made, Part):
                 self._continue(job, made)
             elif _may_be_repeated(made) and job.lost + 1 < ATTEMPTS:
@@ -273,14 +277,6 @@ def _ended(call: tuple[Any, ...], result: Any) -> Job:
     job = Job(call, None, LATER, 0.0)
     job.result, job.parts, job.done = result, [result], True
     return job
-
-
-def _outcome(task: Any) -> Any:
-    """Return the result of a task, or its error. An error in the code is in the log only."""
-    try:
-        return task.result()
-    except (Exception, CancelledError) as error:
-        return ERROR if getattr(error, "kind", "") == "error" else error
 
 
 def _may_be_repeated(made: Any) -> bool:

@@ -246,10 +246,7 @@ class Pool:
             result = lost
         with self._lock:
             slot.task, self._answered = None, monotonic()
-        self._settle(task, result)
-
-    def _settle(self, task, result):
-        metrics.count("tasks_lost" if isinstance(result, Lost) and result.kind != "error" else "tasks")
+        metrics.count("tasks")
         if isinstance(result, Lost):
             task.set_exception(result)
         else:
@@ -279,7 +276,8 @@ class Pool:
                 self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
                 waiting, self._queue = self._queue, FairQueue()
         if task is not None:
-            self._settle(task, lost)
+            metrics.count("tasks_lost")
+            task.set_exception(lost)
         for other in waiting:
             if other.set_running_or_notify_cancel():
                 other.set_exception(Lost("closed", self.why))

@@ -18,7 +18,6 @@ class Requests:
         self.session, self._take_each = session, take or _ignored
         self.waiting: dict[Call, Callable[[Any], None]] = {}  # the function that receives the result
         self._jobs: dict[Call, Job] = {}
-        self._heard: dict[Call, Callable[[Any], None]] = {}  # what receives the parts of a call, if anything does
         self.count = 0
 
     @property
@@ -31,17 +30,13 @@ class Requests:
         for call in calls:
             self.add_one(call, partial(self._take_each, call))
 
-    def add_one(
-        self, call: Call, take: Callable[[Any], None], hear: Callable[[Any], None] | None = None, **how: Any
-    ) -> None:
+    def add_one(self, call: Call, take: Callable[[Any], None], **how: Any) -> None:
         """Request one more call; take(result) receives its result or Exception, at once if cached.
 
-        Calls already requested continue. hear(part) receives its last part as it comes; how: as for `Jobs.start`.
+        Calls already requested continue. how: as for `Jobs.start`.
         """
         if call in self.waiting:
             return
-        if hear:
-            self._heard[call] = hear
         self.count = self.count + 1 if self.waiting else 1
         self.waiting[call] = take
         job = self.session.jobs.start(call, self._on_news, owner=id(self.session), **{"rank": LATER} | how)
@@ -55,27 +50,18 @@ class Requests:
         self.cancel()
         self.add_one(call, lambda result: take(None if isinstance(result, BaseException) else result), **how)
 
-    def cancel(self, calls: Iterable[Call] | None = None) -> None:
-        """Cancel some calls, or all."""
-        for call in self.waiting.keys() & set(self.waiting if calls is None else calls):
-            del self.waiting[call]
-            self._heard.pop(call, None)
-            if call in self._jobs:
-                self.session.jobs.leave(self._jobs.pop(call), self._on_news)
+    def cancel(self) -> None:
+        """Cancel all calls."""
+        self.waiting.clear()
+        while self._jobs:
+            self.session.jobs.leave(self._jobs.popitem()[1], self._on_news)
 
     def _on_news(self, job: Job) -> None:
         if job.done:
-            self.session.later(lambda: self._answered(job.call, job.result))
-        elif job.call in self._heard:
-            self.session.later(partial(self._pass_on, job.call, job.parts[-1]))
-
-    def _pass_on(self, call: Call, part: Any) -> None:
-        if call in self._heard:
-            self._heard[call](part)
+            self.session.later(partial(self._answered, job.call, job.result))
 
     def _answered(self, call: Call, result: Any) -> None:
         self._jobs.pop(call, None)
-        self._heard.pop(call, None)
         if call in self.waiting:
             self.waiting.pop(call)(result)
 

@@ -19,6 +19,7 @@ from functools import partial
 from math import isfinite
 from typing import Any
 
+from app import document
 from app.limits import increments_of
 from app.service import metrics, worker
 from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
@@ -60,7 +61,7 @@ class Pursuit:
         self.job: Job | None = None
         self.since = 0.0  # s, monotonic: when the job began to wait for a worker
         self.comparison = Requests(session)
-        self.wake = Stepped(self._pursue(), session.later)
+        self.wake = Stepped(self._pursue(), partial(document.later, session.doc))
         self.wake.step()
 
     @property
@@ -142,22 +143,20 @@ class Pursuit:
             request = await self._newest()
             try:
                 if not (request.held and await self._follow(request)):
-                    await self._compute(self._take() or request)
+                    newest, self.requested = self.requested or request, None
+                    await self._compute(newest)
             except Exception:
                 self.fail_unexpectedly()
 
     async def _newest(self) -> Request:
         """Return the newest request; for a picture on screen, after the slider was released, its exact run."""
         while True:
-            if request := self._take():
+            if self.requested is not None:
+                request, self.requested = self.requested, None
                 return request
             if self.shown is not None and not self.held:
                 return Request(self.shown, refines=True)
             await news()
-
-    def _take(self) -> Request | None:
-        request, self.requested = self.requested, None
-        return request
 
     def _start(self, *call: Any, **how: Any) -> Job:
         self.since = time.monotonic()

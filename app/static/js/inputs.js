@@ -20,8 +20,8 @@ const DEEP = 1 / 150 // of delta_bar per px: a third of the slider in 100 px
 let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
 function connectSlider(name, values) {
-  const slider = by(name), there = (position) => ({ [name]: `${values[position]}` })
-  slider.addEventListener("input", () => steer(there(slider.value)))
+  const slider = by(name)
+  slider.addEventListener("input", () => steer({ [name]: `${values[slider.value]}` }))
   for (const end of ["pointerup", "pointercancel", "keyup", "blur"]) slider.addEventListener(end, letGo)
 }
 
@@ -37,7 +37,8 @@ function connectHand() {
   }, (event, from) => {
     const dx = event.clientX - from.x, dy = event.clientY - from.y
     if (!from.way && Math.max(Math.abs(dx), Math.abs(dy)) > DECIDED) {
-      from.way = Math.abs(dx) > Math.abs(dy) ? "along" : from.pushes ? "down" : "scrolls"
+      const upright = from.pushes ? "down" : "scrolls"
+      from.way = Math.abs(dx) > Math.abs(dy) ? "along" : upright
       if (from.way === "scrolls") return
       view.setPointerCapture(event.pointerId)
       view.dataset.dragged = from.way
