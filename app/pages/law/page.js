@@ -59,7 +59,8 @@ export function frame(run, k) {
       sum += Math.exp(-(((j * a - s[i]) / delta_t) ** 2))
     normal[i] = (T_n[i] * delta_n) / phi_n / sum
   }
-  const stateOf = (i) => (nodes.state(i) === "free" ? "open" : Math.abs(s[i]) <= law.peak ? "stick" : "slip")
+  const held = (i) => (Math.abs(s[i]) <= law.peak ? "stick" : "slip")
+  const stateOf = (i) => (nodes.state(i) === "free" ? "open" : held(i))
   const groups = Object.groupBy(x.keys(), stateOf)
   for (const state of ["stick", "slip", "open"]) {
     const pick = (list) => Float32Array.from(groups[state] ?? [], (i) => list[i])

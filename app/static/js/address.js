@@ -9,17 +9,32 @@ import { beginChange, declared, me, sees, view } from "./store.js"
 const REST = 250 // ms for which an increment must be looked at before the address names it
 const LARGEST = 1e6
 
-// The entries of the browser's history that belong to this page
+// The entries of the browser's history that belong to this page, and the scene in the address
 class Entries {
   now = history.state?.entry ?? 0 // number of the one shown
   last = this.now // and of the last
   undoing = false // Back was asked for by Undo, not by the browser's button
+  scene = null // of the address, as text; null before it is known to be that of the status
+  move = null // the move of the user's that led to it
 
   // Change the parameters of the address, in an entry of its own or in the present one; more: of its state
   write(change, { own = false, more = {} } = {}) {
     if (own) this.last = ++this.now
     readdress(change, own ? { entry: this.now, ...more } : { ...history.state, entry: this.now }, own)
     this.tell()
+  }
+
+  // Change the scene {name: text}; each move of the user's is one entry. A question of the tour is none
+  writeScene(address) {
+    const text = JSON.stringify(address), before = this.scene
+    if (text === before) return
+    const goesOn = this.move === me.move && before && difference(JSON.parse(before), address) === me.move.name
+    const ofTour = ["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
+    this.write((now) => {
+      for (const name of sceneNames()) now.delete(name)
+      for (const name in address) now.set(name, address[name])
+    }, { own: before !== null && !goesOn && !ofTour })
+    Object.assign(this, { scene: text, move: me.move })
   }
 
   // The browser went to another one; whether it went back by its own button
@@ -45,8 +60,6 @@ class Entries {
 }
 const entries = new Entries()
 
-let written = null // the scene in the address, as text; null before it is known to be that of the status
-let writtenOf = null // the move that the address has
 let resting = 0
 let wanted = asked() // the increment to go to once the run is there
 let wantedOf = me.move // unless parameters have been changed since
@@ -72,19 +85,7 @@ function difference(a, b) {
 // Whether the address has another scene than the page
 export const sceneChanges = () => difference(sceneOf(location.search), me.status.address) !== ""
 
-export function writeAddress() {
-  if (!me.status.values) return
-  const { address } = me.status, text = JSON.stringify(address)
-  if (text === written) return
-  const sameMove = written && writtenOf === me.move && difference(JSON.parse(written), address) === me.move.name
-  const asking = ["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
-  entries.write((now) => {
-    for (const name of sceneNames()) now.delete(name)
-    for (const name in address) now.set(name, address[name])
-  }, { own: written !== null && !sameMove && !asking })
-  written = text
-  writtenOf = me.move
-}
+export const writeAddress = () => entries.writeScene(me.status.address)
 
 // Another entry of the history, for what is no change of the scene; more: of its state
 export const addEntry = (change, more) => entries.write(change, { own: true, more })
@@ -105,19 +106,20 @@ const VIEWED = ["theme", "embed", "tour", "view", "more", "pin", "force"]
 export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
+
+// The browser went back or forward. Where a page is open, Back closes it and undoes nothing
 function popped(event) {
   if (event.state?.entry === undefined) return
-  const opened = openedPage(), back = entries.moved(event.state.entry), closing = back && opened // it undoes nothing
-  const k = asked(), before = lastSearch(), seen = [...new URLSearchParams(before)]
-  const same = !me.status.values || !difference(sceneOf(before), sceneOf(location.search))
-  const kept = closing ? [...VIEWED, "k", ...sceneNames()] : same ? [...VIEWED, "k"] : VIEWED
+  const closes = entries.moved(event.state.entry) && openedPage(), before = lastSearch(), k = asked()
+  const restores = !closes && me.status.values && difference(sceneOf(before), sceneOf(location.search)) !== ""
+  const kept = [...VIEWED, ...(restores ? [] : ["k"]), ...(closes ? sceneNames() : [])]
   readdress((now) => {
     for (const name of kept) now.delete(name)
-    for (const [name, text] of seen) if (kept.includes(name)) now.append(name, text)
-    if (closing) now.delete("page")
+    for (const [name, text] of new URLSearchParams(before)) if (kept.includes(name)) now.append(name, text)
+    if (closes) now.delete("page")
   })
-  if (!same && !closing) {
-    written = null
+  if (restores) {
+    entries.scene = null
     goBackTo(sceneOf(location.search), k)
   }
   entries.tell()

@@ -27,24 +27,22 @@ export const theme = () => document.documentElement.dataset.theme
 
 // Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a
 // whole number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
-export function shades(low, high, [below, above] = ["pull", "push"], ends = rampIn(document.documentElement)) {
+export function shades(low, high) {
   const step = Math.max(Math.min(-low, high) / SHADES, (high - low) / MOST)
   const ramp = (name, end) => {
-    const [from, to] = ends(name)
+    const [from, to] = [0, 1].map((i) => bytes(`--${name}-${i}`))
     const mixed = (t) => from.map((v, i) => Math.round(v * (1 - t) + to[i] * t).toString(16).padStart(2, "0")).join("")
     const mixtures = Array.from({ length: SHADES }, (_, i) => `#${mixed(i / (SHADES - 1))}`)
     const shade = (i) => mixtures[Math.min(SHADES - 1, Math.floor(((i + 0.5) * step * SHADES) / end))]
     return Array.from({ length: Math.ceil(end / step - 1e-9) }, (_, i) => shade(i))
   }
-  const under = ramp(below, -low), over = ramp(above, high)
+  const under = ramp("pull", -low), over = ramp("push", high)
   return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over],
     nan_color: "rgba(0,0,0,0)" }
 }
 
-// [from, to] of a ramp as an element of the page has it
-const rampIn = (element) => (name) =>
-  [0, 1].map((end) => digits(getComputedStyle(element).getPropertyValue(`--${name}-${end}`).trim()))
-const digits = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
+// Red, green and blue of a colour
+export const bytes = (name) => [1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16))
 
 // The next larger number of one digit or so
 export function nice(value) {

@@ -58,8 +58,8 @@ function drawPart(run, k, time) {
 // The map of the stage that frame k belongs to
 function drawStage(run, k, time) {
   if (map(run, run.length, run.stageOfMap(k), me.look)) me.mapped = false
-  const pause = me.dragging ? HELD : run.whole ? 0 : QUIET
   if (me.mapped) return
+  const growing = run.whole ? 0 : QUIET, pause = me.dragging ? HELD : growing
   if (time - mapAt < pause) return again(pause)
   mapAt = time
   drawMap(run, k)

@@ -17,6 +17,7 @@ const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at its ends are whole
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
+const SPARE = 0.08 // of a curve, on either side of it on a new axis
 const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
 const LOW = 260 // px, a picture without an axis under it
 const THICK = 2.5 // times, for a projector
@@ -38,14 +39,14 @@ export const fillImage = (view, label, values, shape, place) => (
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 
 // A range that holds low..high. It grows at once when too small. It shrinks when far too large, and no slider is held
-export function fit(range, low, high, room = 0.08) {
+export function fit(range, low, high) {
   const { start, end } = range, size = Math.max(high - low, 1e-9)
   const below = low - EDGE * size < start, above = high + EDGE * size > end
-  const least = low < 0 ? -Infinity : -room * size // what is never negative has no axis below zero
+  const least = low < 0 ? -Infinity : -SPARE * size // what is never negative has no axis below zero
   if (me.dragging)
     set(range, { start: below ? Math.max(low - ROOM * size, least) : start, end: above ? high + ROOM * size : end })
   else if (below || above || size < FAR_LESS * (end - start))
-    set(range, { start: low - room * size, end: high + room * size })
+    set(range, { start: low - SPARE * size, end: high + SPARE * size })
 }
 
 // The end of an axis, where a run needs `needed`, with `spare` of it without harm out of sight

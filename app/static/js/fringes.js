@@ -1,7 +1,7 @@
 // Stress inside the punch: photoelastic fringes, lines of equal shear stress, or one component with its sign.
 
 import { frameBox } from "./bokeh.js"
-import { colour, isShown } from "./colours.js"
+import { bytes, isShown } from "./colours.js"
 import { by, keep, kept, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
@@ -20,7 +20,6 @@ const COMPONENTS = { zz: ZZ, xx: XX, xz: XZ }
 const BAR = 9 // px, as the top is drawn by story.js
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
-
 
 export function connectFringes() {
   by("stress").value = kept("fringes")
@@ -138,7 +137,6 @@ function inksOf(theme) {
 
 // The colours of a component from -ORDERS to ORDERS fringes, as bytes: that of the page where there is no stress
 const signs = {}
-const bytes = (name) => [1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16))
 function signedInks(component, theme) {
   const { below, above } = keyOf(component).dataset
   return (signs[`${component} ${theme}`] ??= Uint32Array.from({ length: 2 * ORDERS * SHADES + 1 }, (_, i) => {

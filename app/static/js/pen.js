@@ -17,12 +17,9 @@ export function cleared(canvas) {
   return pen
 }
 
-// A canvas over a view, under the text that is written there
+// A canvas over a curve
 export function over(view) {
-  const canvas = make("canvas", { className: "story" })
-  const place = document.querySelector(`.view[data-view="${view}"]`) ?? document.getElementById(`${view}-view`)
-  place.insertBefore(canvas, place.querySelector(".story"))
-  return canvas
+  return document.querySelector(`.view[data-view="${view}"]`).appendChild(make("canvas", { className: "story" }))
 }
 
 // A line through places, px
@@ -60,7 +57,7 @@ export function write({ pen, ink, box }, text, x, y,
   pen.font = font(scale, bold)
   pen.textAlign = "left"
   const width = pen.measureText(text).width
-  x -= align === "center" ? width / 2 : align === "right" ? width : 0
+  x -= { left: 0, center: width / 2, right: width }[align]
   if (stays && (x < box.left + 4 || x + width > box.left + box.width - 4)) return null
   if (box) x = Math.max(box.left + 4, Math.min(x, box.left + box.width - width - 4)) // all of it in sight
   pen.textBaseline = "middle"

@@ -27,7 +27,8 @@ export class Picture extends Run {
     this.sheared = 0
     this.shown = shown
     this.cells = { ...map, values: read(Int8Array, map.rows * map.columns) }
-    this.places = Array.from({ length: frames }, (_, k) => [chunk, k && 1])
+    // of the fields only those of the first frame and of the one shown were sent; see `has`
+    this.places = Array.from({ length: frames }, (_, k) => [chunk, k === 0 ? 0 : 1])
     const still = (value) => Array.from({ length: frames }, () => value)
     const none = still(0)
     for (const name in this.curves) this.curves[name] = none

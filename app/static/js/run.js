@@ -105,9 +105,10 @@ export class Run extends Frames {
 
   // The frames [from, to) that are drawn together, and along what: the approach or what follows; both if delta changes
   part(approach) {
-    const { length } = this, turn = this.normal || this.pressed ? null : this.sheared
-    const [from, to] = approach ? [0, turn < 0 ? length : turn ?? length] : [Math.max(0, turn), length]
-    return { from, to, abscissa: approach ? "delta" : this.head.abscissa }
+    const { length } = this, divided = !this.normal && !this.pressed && this.sheared >= 0
+    const turn = divided ? this.sheared : length // where the approach ends
+    if (approach) return { from: 0, to: turn, abscissa: "delta" }
+    return { from: divided ? turn : 0, to: length, abscissa: this.head.abscissa }
   }
 
   // {along, value} of a curve over a part, times `factor`
@@ -141,7 +142,8 @@ export class Run extends Frames {
   atPlace({ stage, at }) {
     const far = (k) => Math.abs(this.place(k).at - at), frames = this.frames((k) => this.leg(k) === stage)
     const best = frames.reduce((a, b) => (a === null || far(b) < far(a) ? b : a), null)
-    return this.whole ? best ?? this.length - 1 : best < this.length - 1 ? best : null
+    if (this.whole) return best ?? this.length - 1
+    return best < this.length - 1 ? best : null // a closer one may come after the last
   }
 
   // The stage of frame k, without the number that it has among points

@@ -103,7 +103,7 @@ function slid(run, at, playing) {
   const far = sites && all ? ` by ${shiftText}, ${nm(sites * run.head.spacing)}` : ""
   const [was, is] = [start.F, F[at]].map(Math.abs), turns = F[at] * start.F < 0
   const numbers = playing ? "" : ` from ${number("F", was)} to ${withUnit("F", is)}${turns ? " the other way" : ""}`
-  const verb = turns ? "turns round" : is < was ? "drops" : "rises"
+  const changes = is < was ? "drops" : "rises", verb = turns ? "turns round" : changes
   return tell(`slip ${at}`, `${part}${far}: friction ${verb}${numbers}${areaAfter(run, at)}.`)
 }
 

@@ -93,7 +93,8 @@ function learn() {
 function right() {
   if (!STOPS[at].unseen) return 0
   const now = firstSlip(me.run)
-  return !now || now.U > before.U + 0.1 ? 1 : now.U < before.U - 0.1 ? 0 : 2
+  if (!now || now.U > before.U + 0.1) return 1
+  return now.U < before.U - 0.1 ? 0 : 2
 }
 
 const NAMES = {
