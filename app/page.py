@@ -78,7 +78,10 @@ def open_page() -> None:
 
 
 def _own(wire, slots):
-    """Yield the models that a visitor's document also has on the server, with the same ids for all visitors."""
+    """Yield the models that a visitor's document also has on the server.
+
+    Their ids are constant, as the text of the document, which names them, is composed once for all visitors.
+    """
     for name, model in {"wire": wire, **slots}.items():
         model.name, model._id = name, name
         yield model

@@ -65,7 +65,8 @@ function draw(name, marks, values) {
     mark.style.left = `calc(8px + ${at} * (100% - 16px))`
     if (labels.every((other) => Math.abs(other - at) > apart)) {
       mark.append(make("span", {}, label))
-      mark.dataset.side = at < ENDS[0] ? "right" : at > ENDS[1] ? "left" : ""
+      const left = at > ENDS[1] ? "left" : ""
+      mark.dataset.side = at < ENDS[0] ? "right" : left
       labels.push(at)
     }
     scale.append(mark)

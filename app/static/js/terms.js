@@ -18,15 +18,19 @@ const glossary = file("glossary.html"), theory = file("theory.html")
 // The text of an element again, the first occurrence of each term in it as a button, in one line with the stop behind
 // it
 export function explain(element, text = element.textContent) {
-  const seen = new Set()
-  const parts = forms && sees("terms") ? text.split(forms) : [text] // between, term, stop, between, ...
-  element.replaceChildren(...parts.map((part, i) => {
-    const term = i % 3 === 1 ? declared.terms[part.toLowerCase()] : undefined
-    if (!term || seen.has(term)) return i % 3 === 2 && seen.has(i) ? "" : part
-    seen.add(term).add(i + 1)
-    const button = makeButton({ className: "term", data: { term }, "aria-haspopup": "dialog" }, part)
-    return parts[i + 1] ? make("span", { style: "white-space: nowrap" }, button, parts[i + 1]) : button
-  }))
+  const [first, ...found] = forms && sees("terms") ? text.split(forms) : [text]
+  const parts = [first], seen = new Set()
+  for (let i = 0; i < found.length; i += 3) {
+    const [form, stop, between] = found.slice(i, i + 3), term = declared.terms[form.toLowerCase()]
+    parts.push(seen.has(term) ? form + stop : buttonOf(term, form, stop), between)
+    seen.add(term)
+  }
+  element.replaceChildren(...parts)
+}
+
+function buttonOf(term, form, stop) {
+  const button = makeButton({ className: "term", data: { term }, "aria-haspopup": "dialog" }, form)
+  return stop ? make("span", { style: "white-space: nowrap" }, button, stop) : button
 }
 
 // The texts on the page, where terms are shown now or no longer
