@@ -14,7 +14,7 @@ import segno
 
 from app.service import packing, worker
 from app.service.worker import Part
-from solver import LIMITS, NotConverged, Profile, ProfileError, Scene, advance, read_profile
+from solver import LIMITS, Frame, NotConverged, Profile, ProfileError, Scene, advance, read_profile
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import Search, search_on
 from solver.analysis.interior import transfer, wavenumbers
@@ -71,7 +71,7 @@ def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str
     return str(NotConverged(checkpoint.failure)) if checkpoint.failure else None
 
 
-def flat_frames(scene, state=None):
+def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
     """Return the frames of a run, each with one node only, as all nodes of a flat are alike; or Part."""
     done, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)

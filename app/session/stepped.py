@@ -20,7 +20,8 @@ class Stepped:
 
     def ring(self, *_: object) -> None:
         """Wake the coroutine soon; any thread may call this."""
-        self._schedule(self.step)
+        if not self._closed:
+            self._schedule(self.step)
 
     def step(self) -> None:
         """Wake the coroutine, and return when it waits again. Call this under the lock of the document."""
