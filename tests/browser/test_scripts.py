@@ -166,10 +166,14 @@ def test_numbers_use_a_true_minus_sign_and_no_negative_zero(tab):
 
 @pytest.mark.parametrize(("low", "high"), [(-0.8, 0.4), (-0.8, 40.0), (-3.0, 3.0)])
 def test_colours_change_from_attraction_to_repulsion_exactly_at_zero(tab, low, high):
-    ends = {"pull": [[255, 0, 0], [200, 0, 0]], "push": [[0, 0, 255], [0, 0, 200]]}
+    ends = {"pull-0": "#ff0000", "pull-1": "#c80000", "push-0": "#0000ff", "push-1": "#0000c8"}
     made = tab.evaluate(
-        f"""import("http://scripts/js/colours.js").then(({{ shades }}) =>
-            shades({low}, {high}, ["pull", "push"], (name) => ({json.dumps(ends)})[name]))"""
+        f"""import("http://scripts/js/colours.js").then(({{ readAgain, shades }}) => {{
+            const styles = Object.entries({json.dumps(ends)}).map(([name, ink]) => `--${{name}}: ${{ink}}`)
+            document.documentElement.style.cssText = styles.join(";")
+            readAgain()
+            return shades({low}, {high})
+        }})"""
     )
     step = (made["high"] - made["low"]) / len(made["palette"])
     below = round(-made["low"] / step)
