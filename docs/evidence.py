@@ -145,6 +145,12 @@ COMMANDS = {
         "Pictures over values of the slider, and the age of a picture when it is drawn.",
         (BENCH + "latency.py", "--drag", "--moves", "40"),
     ),
+    "lab": Entry(
+        "Load",
+        "The research pages",
+        "Time until a page is open, the server's processor time, and the age of another visitor's pictures in a drag.",
+        (BENCH + "lab.py",),
+    ),
     "classroom": Entry(
         "Load",
         "A class of 30",

@@ -11,6 +11,7 @@ from typing import Any
 import holoviews as hv
 import numpy as np
 
+from .analysis.friction_laws import Onset
 from .plots import drawn_with
 from .scene import LIMITS, Scene
 
@@ -128,43 +129,32 @@ def friction_map(
 
 
 @drawn_with("bokeh")
-def area_curves(runs: Mapping[float, Mapping[str, Any]], law_of: Callable[[Any], Any]) -> hv.Overlay:
-    """A_bar over F_bar of runs {delta_bar: {"F", "A", "F_s", "A_s"}}, the law of each, and the onsets."""
+def area_curves(runs: Mapping[float, Onset], laws: Mapping[float, Any]) -> hv.Overlay:
+    """A_bar over F_bar of each Onset {delta_bar: Onset}, its QuadraticLaw or None of `laws`, and where it slips."""
     kdim, vdim = hv.Dimension("F", label="F̄ (10⁻³)"), hv.Dimension("A", label="Ā (10⁻³)")
-    laws = {depth: law_of(run) for depth, run in runs.items()}
-    measured = _joined([(1e3 * run["F"], 1e3 * run["A"]) for run in runs.values()])
-    fits = _joined(
-        [
-            (1e3 * run["F"], 1e3 * np.maximum(law.A_0 - law.zeta * run["F"] ** 2, 0.0))
-            for law, run in zip(laws.values(), runs.values(), strict=True)
-            if law
-        ]
-    )
-    onsets = [(1e3 * run["F_s"], 1e3 * run["A_s"], depth) for depth, run in runs.items() if run["F_s"]]
+    drawn = [(law, runs[depth].F) for depth, law in laws.items() if law]
+    measured = _joined([(1e3 * run.F, 1e3 * run.A) for run in runs.values()])
+    fits = _joined([(1e3 * F, 1e3 * np.maximum(law.A_0 - law.zeta * F**2, 0.0)) for law, F in drawn])
     parts = [
         hv.Curve(measured, kdim, vdim, label="runs").opts(color=COLOURS[0]),
         hv.Curve(fits, kdim, vdim, label="Ā₀ − ζF̄² (Eq. 8)").opts(color=COLOURS[1], line_dash="dashed"),
-        hv.Points(onsets, [kdim, vdim], "delta_bar", label="onset").opts(color="gray", size=8, tools=["hover"]),
+        hv.Points(_slips(runs), [kdim, vdim], "delta_bar", label="onset").opts(color="gray", size=8, tools=["hover"]),
     ]
     return _live(parts)
 
 
 @drawn_with("bokeh")
-def thresholds(
-    onsets: Mapping[str, Sequence[tuple[float, float, float]]], line_of: Callable[[Any], Any], beyond: float
-) -> hv.Overlay:
-    """A_bar over F_bar at the onsets {series: [(F_s, A_s, delta_bar)]}, and the threshold law of each series.
+def thresholds(series: Mapping[str, Mapping[float, Onset]], line_of: Callable[[Any], Any], beyond: float) -> hv.Overlay:
+    """A_bar over F_bar at the slips of {series: {delta_bar: Onset}}, and the threshold law of each series.
 
-    Onsets from delta_bar = beyond on are crosses: they are not part of the law.
+    Slips from delta_bar = beyond on are crosses: they are not part of the law.
     """
     kdims, parts = [hv.Dimension("F", label="F̄ (10⁻³)"), hv.Dimension("A", label="Ā (10⁻³)")], []
-    for (name, rows), marker, colour in zip((onsets or {"": []}).items(), cycle(MARKERS), cycle(COLOURS)):
-        law, top = line_of(rows), max((A for _, A, _ in rows), default=0.0)
-        line = [(1e3 * (law.F_nc + law.tau_c * A), 1e3 * A) for A in (0.0, top)] if law else []
-        inside, outside = (
-            [(1e3 * F, 1e3 * A, depth) for F, A, depth in rows if (depth >= beyond) is late] for late in (False, True)
-        )
+    for (name, runs), marker, colour in zip(series.items(), cycle(MARKERS), cycle(COLOURS)):
+        law, slips = line_of(runs), _slips(runs)
+        line = [(1e3 * law.F_nc + law.tau_c * A, A) for A in (0.0, max(A for _, A, _ in slips))] if law else []
         look = {"color": colour, "size": 9, "tools": ["hover"]}
+        inside, outside = ([slip for slip in slips if (slip[2] >= beyond) is late] for late in (False, True))
         parts += [
             hv.Curve(line, *kdims).opts(color=colour),
             hv.Points(inside, kdims, "delta_bar", label=name).opts(marker=marker, **look),
@@ -205,6 +195,11 @@ def residuals(measured: Any, curve: Any, found: Any, scene: Scene) -> hv.Overlay
     noise = measured.noise["F_bar"] if measured else 1.0
     points = hv.Scatter([(U_x, off / noise) for U_x, off in rows], kdim, vdim).opts(color=COLOURS[1], size=4)
     return _live([points, hv.HLine(0.0).opts(color="gray", line_width=1)])
+
+
+def _slips(runs):
+    """(F_bar, A_bar in 1e-3, delta_bar) of each Onset {delta_bar: Onset} that slips."""
+    return [(1e3 * run.F_s, 1e3 * run.A_s, depth) for depth, run in runs.items() if run.F_s]
 
 
 def _live(parts, **more):

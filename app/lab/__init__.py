@@ -6,54 +6,59 @@ A page is a module of PAGES with view(scene), a Viewable of Panel; base.py has w
 """
 
 import logging
+from html import escape
 from importlib import import_module
 from typing import Any
+from urllib.parse import urlencode
 
 import panel as pn
 from bokeh.models import CustomJS
 from panel.io.resources import LOCAL_DIST
 
-from app.lab.base import back
-from app.session.controls import scene_from_address
+from app.limits import DEFAULT
+from app.session.controls import address_of, scene_from_address
 from app.session.orders import LARGEST
+from solver import Scene
 
 log = logging.getLogger("app")
 PAGES = {"stick_slip": "Stick-slip", "area_laws": "Area laws", "fit": "Fit", "accuracy": "Accuracy"}
 BUG = "The page could not be opened. See the server's log, then reload the page."
 ICON = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg'/%3E"
 # Panel's sliders and their entries have no names for screen readers. This gives them that of the label before them.
-NAMES = """
-    let label = ""
-    const visit = (root) => {
-        for (const e of root.querySelectorAll("*")) {
-            if (e.matches(".bk-clearfix")) label = e.textContent.replace(/:$/, "")
-            const sign = e.matches(".bk-spin-btn-up") ? " +" : e.matches(".bk-spin-btn-down") ? " −" : ""
-            if (sign || e.matches(".noUi-handle, #input")) e.setAttribute("aria-label", label + sign)
-            if (e.matches("progress")) e.setAttribute("aria-label", "Progress")
-            if (e.shadowRoot) visit(e.shadowRoot)
-        }
-    }
-    visit(document)
-"""
 # A message of 5 MB closes the connection, so a browser refuses a larger file than the page reads, before it sends it.
-FILES = f"""
-    const visit = (root) => {{
-        for (const e of root.querySelectorAll("*")) if (e.shadowRoot) visit(e.shadowRoot)
-        if (!root.querySelector("input[type=file]")) return
-        const said = document.createElement("p")
+MEND = f"""
+    const bounded = (input) => {{
+        const said = input.parentNode.appendChild(document.createElement("p"))
         said.setAttribute("role", "alert")
-        root.append(said)
-        root.addEventListener("change", (event) => {{
-            const [file] = event.target.files ?? [], large = file?.size > {LARGEST}
+        input.addEventListener("change", (event) => {{
+            const [file] = input.files, large = file?.size > {LARGEST}
             said.textContent = large ? `${{file.name}} has ${{(file.size / 1e6).toFixed(1)}} MB, allowed: `
                 + "{LARGEST // 10**6} MB. Thin it out." : ""
             if (!large) return
             event.stopImmediatePropagation()
-            event.target.value = ""
+            input.value = ""
         }}, true)
+    }}
+    let label = ""
+    const visit = (root) => {{
+        for (const e of root.querySelectorAll("*")) {{
+            if (e.matches(".bk-clearfix")) label = e.textContent.replace(/:$/, "")
+            const sign = e.matches(".bk-spin-btn-up") ? " +" : e.matches(".bk-spin-btn-down") ? " −" : ""
+            if (sign || e.matches(".noUi-handle, #input")) e.setAttribute("aria-label", label + sign)
+            if (e.matches("progress")) e.setAttribute("aria-label", "Progress")
+            if (e.matches("input[type=file]")) bounded(e)
+            if (e.shadowRoot) visit(e.shadowRoot)
+        }}
     }}
     visit(document)
 """
+
+
+def back(scene: Scene) -> Any:
+    """Return the link to the experiment with a scene, in the same theme."""
+    theme = pn.state.session_args.get("theme", [b""])[-1].decode("ascii", "replace")
+    values = address_of(scene, DEFAULT) | ({"theme": theme} if theme in ("dark", "light") else {})
+    return pn.pane.HTML(f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>')
 
 
 def module(name: str) -> Any:
@@ -66,7 +71,7 @@ def serve() -> None:
     doc, arguments = pn.state.curdoc, pn.state.session_args
     name, theme = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
     doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
-    doc.js_on_event("document_ready", CustomJS(code=NAMES), CustomJS(code=FILES))
+    doc.js_on_event("document_ready", CustomJS(code=MEND))
     pn.extension("tabulator", theme="dark" if theme == "dark" else "default")
     scene, _, notes = scene_from_address(arguments)
     page = back(scene)

@@ -8,11 +8,10 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-import holoviews as hv
 import panel as pn
 import param
 
-from app.lab.base import WIDE, LabPage
+from app.lab.base import APART, LabPage, plots
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
 from solver import Scene
@@ -22,8 +21,8 @@ from solver.live_plots import WORKS, work_precision
 
 TITLE = "Accuracy"
 STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
+BEFORE = [Point(**row) for row in STORED["points"]]
 LONGEST = 600.0  # s, time limit of a measurement
-APART = 0.5  # s between two drawings: one takes the server 0.1 s
 
 
 class Accuracy(LabPage):
@@ -39,27 +38,23 @@ class Accuracy(LabPage):
     points = param.List(doc="the Points measured so far")
 
     async def compute(self) -> None:
-        self.points, drawn = [], 0.0
+        self.points = points = []
+        drawn = 0.0
         how = {"rank": HEAVY, "seconds": LONGEST, "private": True, "streams": True}
         async for share, report in jobs.parts(measure, self.scene, True, owner=id(self), **how):
-            self.share = share
-            points = report.of("tolerance") if report else []
+            self.share, points = share, report.of("tolerance") if report else []
             if len(points) > len(self.points) and monotonic() > drawn + APART:
                 self.points, drawn = points, monotonic()
-        self.points = points
-        self.text = cost(points)
+        self.points, self.text = points, cost(points)
 
     def content(self) -> list[Any]:
-        before = [Point(**row) for row in STORED["points"]]
-        draw = {work: lambda points, work=work: work_precision(points, work, before) for work in WORKS}
-        plots = [hv.DynamicMap(pn.bind(draw[work], self.param.points)) for work in WORKS]
-        return [pn.FlexBox(*(pn.pane.HoloViews(plot, styles=WIDE) for plot in plots))]
+        draw = {work: lambda points, work=work: work_precision(points, work, BEFORE) for work in WORKS}
+        return [plots(*(pn.bind(draw[work], self.param.points) for work in WORKS))]
 
 
 def cost(points: list[Any], tolerance: float = 1e-8) -> str:
     """Return a sentence on the cost and the accuracy of a tolerance, nm."""
-    runs = {(p.series, p.value): p for p in points if p.branch_error is not None and not p.failure}
-    fast = {value: p for (series, value), p in runs.items() if series == "fast"}
+    fast = {p.value: p for p in points if p.series == "fast" and p.branch_error is not None and not p.failure}
     if tolerance not in fast:
         return f"No run at tolerance {tolerance:g} nm was finished."
     own, cheapest = fast[tolerance], fast[max(fast)]

@@ -2,31 +2,39 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterable
 from functools import partial
-from html import escape
+from time import monotonic
 from typing import Any
-from urllib.parse import urlencode
 
+import holoviews as hv
 import panel as pn
 import param
 
-from app.limits import DEFAULT
-from app.session.controls import CONTROLS, RANGES, address_of, changed_scene
-from solver import NotConverged, Scene
+from app.lab import back
+from app.service.jobs import jobs
+from app.service.tasks import Failed, tried
+from app.session.controls import CONTROLS, RANGES, changed_scene
+from solver import Scene
 from solver.isolated import Lost
 
 log = logging.getLogger("app")
 BUG = "It could not be computed. See the server's log, then reload the page."
 PAUSE = 0.2  # s without a change of the sliders before a computation begins
+APART = 1.0  # s between two drawings of results: one takes the server 0.1 s
 WIDE = {"flex": "1 1 420px", "min-width": "0"}  # of plots beside each other, where there is room for two
 
 
-def back(scene: Scene) -> Any:
-    """Return the link to the experiment with a scene, in the same theme."""
-    theme = pn.state.session_args.get("theme", [b""])[-1].decode("ascii", "replace")
-    values = address_of(scene, DEFAULT) | ({"theme": theme} if theme in ("dark", "light") else {})
-    return pn.pane.HTML(f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>')
+def plots(*drawn: Any) -> Any:
+    """Return plots beside each other: each a DynamicMap, or a function bound to parameters that returns a plot."""
+    maps = (each if isinstance(each, hv.DynamicMap) else hv.DynamicMap(each) for each in drawn)
+    return pn.FlexBox(*(pn.pane.HoloViews(each, styles=WIDE) for each in maps))
+
+
+def table(data: Any, **look: Any) -> Any:
+    """Return a table of a DataFrame, or of a bound function that returns one."""
+    theme = "midnight" if pn.config.theme == "dark" else "simple"
+    return pn.widgets.Tabulator(data, disabled=True, show_index=False, theme=theme, **look)
 
 
 class LabPage(param.Parameterized):
@@ -34,6 +42,7 @@ class LabPage(param.Parameterized):
 
     TITLE = STATEMENT = ""
     scene: Any = param.ClassSelector(class_=Scene)
+    found = param.Dict({}, doc="{scene: result} of `run`")
     share = param.Number(default=None, allow_None=True, doc="done of the computation, 0..1; None: nothing is computed")
     text = param.String(doc="result in words, or why there is none")
 
@@ -42,7 +51,7 @@ class LabPage(param.Parameterized):
         self._task, self._sliders = None, {}
 
     async def compute(self) -> None:
-        """Compute for the scene."""
+        """Compute for the scene. A ValueError is shown."""
 
     def content(self) -> list[Any]:
         """Return the plots and tables, a list of Viewables."""
@@ -52,10 +61,8 @@ class LabPage(param.Parameterized):
         """Return the Viewable of the page; it computes as soon as it is shown."""
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda context: self.cancel())
-        busy, done = (
-            self.param.share.rx.is_not(None),
-            pn.bind(lambda share: round(100 * (share or 0)), self.param.share),
-        )
+        busy = self.param.share.rx.is_not(None)
+        done = pn.bind(lambda share: round(100 * (share or 0)), self.param.share)
         progress = pn.indicators.Progress(value=done, visible=busy)
         cancel = pn.widgets.Button(label="Cancel", on_click=self.cancel, visible=busy)
         heading = [pn.bind(back, self.param.scene)] if "lab" in pn.state.session_args else []
@@ -68,7 +75,7 @@ class LabPage(param.Parameterized):
 
     def start(self, compute: Callable[[], Coroutine[Any, Any, None]] | None = None) -> None:
         """Compute in place of what is computed now."""
-        param.parameterized.async_executor(partial(self._run, compute or self.compute))
+        param.parameterized.async_executor(partial(self._start, compute or self.compute))
 
     def cancel(self, *events: Any) -> None:
         """End the computation, which frees its worker."""
@@ -76,7 +83,34 @@ class LabPage(param.Parameterized):
             self._task.cancel()
             self._task, self.share, self.text = None, None, "Cancelled."
 
-    async def _run(self, compute):
+    async def call(self, function: Callable[..., Any], *arguments: Any, **how: Any) -> Any:
+        """Return function(*arguments), computed by a worker; raises ValueError where the arguments have no result."""
+        result = await jobs.result(tried, function, *arguments, owner=id(self), **how)
+        if isinstance(result, Failed):
+            raise ValueError(result.why)
+        return result
+
+    async def run(self, task: Callable[[Scene], Any], scenes: Iterable[Scene]) -> None:
+        """Set `found` to {scene: task(scene)} as results come; `text` names the scenes without one."""
+        found, failed, drawn, scenes = {}, [], 0.0, list(scenes)
+        for done, scene in enumerate(scenes, 1):
+            try:
+                found[scene] = await self.call(task, scene)
+            except ValueError as error:
+                failed.append(f"{scene}: {error}.")
+            self.share = done / len(scenes)
+            if monotonic() > drawn + APART or done == len(scenes):
+                self.found, drawn = dict(found), monotonic()
+        self.text = " ".join(failed)
+
+    def show(self, scene: Scene) -> None:
+        """Go to another scene."""
+        self.scene = scene
+        for name, slider in self._sliders.items():
+            slider.value = getattr(scene, name)
+        self.start()
+
+    async def _start(self, compute):
         self.cancel()
         self._task = task = asyncio.current_task()
         self.param.update(share=0.0, text="")
@@ -85,7 +119,7 @@ class LabPage(param.Parameterized):
             await compute()
         except asyncio.CancelledError:
             return
-        except (Lost, NotConverged, ValueError) as error:
+        except (Lost, ValueError) as error:
             self.text = f"{error}".rstrip(".") + "."
         except Exception:
             log.exception("a research page failed")
@@ -97,19 +131,11 @@ class LabPage(param.Parameterized):
         limits, value = RANGES[control.name], getattr(self.scene, control.name)
         name = f"{control.label} {control.symbol}" + f" ({control.unit})" * bool(control.unit)
         ends = {"start": control.low, "end": control.high, "fixed_start": limits.low, "fixed_end": limits.high}
-        slider = pn.widgets.EditableFloatSlider(
-            label=name, value=value, step=0.01 if control.high < 10 else 1.0, **ends
-        )
+        step = 0.01 if control.high < 10 else 1.0
+        slider = pn.widgets.EditableFloatSlider(label=name, value=value, step=step, **ends)
         self._sliders[control.name] = slider
         slider.param.watch(partial(self._change, control.name), "value")
         return slider
-
-    def show(self, scene: Scene) -> None:
-        """Go to another scene."""
-        self.scene = scene
-        for name, slider in self._sliders.items():
-            slider.value = getattr(scene, name)
-        self.start()
 
     def _change(self, name, event):
         scene, errors = changed_scene(self.scene, {name: f"{event.new!r}"})

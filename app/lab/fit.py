@@ -9,19 +9,17 @@ from math import inf
 from random import randrange
 from typing import Any
 
-import holoviews as hv
 import numpy as np
 import pandas as pd
 import panel as pn
 import param
 
-from app.lab.base import WIDE, LabPage
+from app.lab.base import LabPage, plots, table
 from app.service import tasks
-from app.service.jobs import jobs
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
-from solver import Scene
-from solver.analysis.measurement import Measurement
+from solver import Scene, fit
+from solver.analysis.measurement import Measurement, read_measurement
 from solver.live_plots import measured_curves, residuals
 from solver.text import counted
 
@@ -36,11 +34,10 @@ FREE = {  # label: parameter that can be free
     "scale of F": "scale_F",
     "zero of F": "offset_F",
 }
-LONG = 120.0  # s, time limit of a fit
+NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # of example data
 SEEDS = 2**32  # number of seeds of example data
-HOW = {"rank": HEAVY, "seconds": LONG, "private": True, "streams": True}
+LONG = {"rank": HEAVY, "seconds": 120.0, "private": True, "streams": True}  # of a fit
 NARROW = {"sizing_mode": "stretch_width", "stylesheets": [".bk-input-group { flex-wrap: wrap }"]}  # in lines
-NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # true values that example data do not change
 
 
 class Fit(LabPage):
@@ -54,42 +51,30 @@ class Fit(LabPage):
     )
     curve = param.Parameter(doc="(U_x nm, F N/m, L N/m) of the scene")
     measured = param.Parameter(doc="the Measurement, or None")
-    found = param.Parameter(doc="its Fit, or None")
+    fitted = param.Parameter(doc="its Fit, or None")
     truth = param.Dict({}, doc="{parameter: value} of example data")
     free = param.ListSelector(["phi_ratio", "delta_bar"], objects=FREE, label="Free parameters")
 
     async def compute(self) -> None:
-        frames = await jobs.result(tasks.flat_frames, self.scene.changed(path="shear"), owner=id(self))
-        rows = [(frame.U_x, frame.F, frame.L) for frame in frames if frame.stage == "shear"]
-        self.curve = np.array(rows).T
+        frames = await self.call(tasks.flat_frames, self.scene.changed(path="shear"))
+        self.curve = np.array([(frame.U_x, frame.F, frame.L) for frame in frames if frame.stage == "shear"]).T
 
     async def read(self, content: bytes) -> None:
-        """Read the content of a file, bytes."""
+        """Read the content of a file, bytes. If it is not usable, the previous measurement stays."""
         if len(content) > LARGEST:
             raise ValueError(f"the file has {len(content)} bytes; allowed: {LARGEST}; thin it out")
-        text = content.decode("utf-8", "replace")
-        made = await jobs.result(tasks.measured_curve, text, self.scene, owner=id(self), private=True)
-        self.take(made, {})
+        self.take(await self.call(read_measurement, content, self.scene, private=True), {})
 
     async def example(self) -> None:
         """Generate example data."""
-        call = tasks.made_up_curve, self.scene, randrange(SEEDS)
-        made = tasks.made_up_scene(*call[1:])
+        seed = randrange(SEEDS)
+        made = tasks.made_up_scene(self.scene, seed)
         truth = {name: getattr(made, name, NEUTRAL.get(name)) for name in FREE.values()}
-        made = await jobs.result(*call, owner=id(self), private=True, rank=HEAVY, seconds=LONG)
-        self.take(made, truth)
+        self.take(await self.call(tasks.made_up_curve, made, seed, **LONG), truth)
 
-    def given(self, event: Any) -> None:
-        """Read a chosen file."""
-        if event.new is not None:
-            self.start(partial(self.read, event.new))
-
-    def take(self, made: tuple[Measurement | None, str | None], truth: dict[str, Any]) -> None:
-        """Take (Measurement, None), or (None, why there is none); then the one before stays."""
-        measured, why = made
-        if measured is None:
-            raise ValueError(f"Not read: {why}. {'The previous measurement stays' * bool(self.measured)}")
-        self.param.update(measured=measured, found=None, truth=truth)
+    def take(self, measured: Measurement, truth: dict[str, Any]) -> None:
+        """Show a measurement in place of the previous one."""
+        self.param.update(measured=measured, fitted=None, truth=truth)
         points, slips = counted(measured.U_x.size, "point"), counted(len(measured.slips), "slip")
         noise = measured.noise["F_bar"] * (measured.unit or self.scene.width * self.scene.E)
         self.text = f"{points}, {slips} recognised, noise {noise:.2g} N/m. {' '.join(measured.notes)}"
@@ -102,39 +87,31 @@ class Fit(LabPage):
             raise ValueError("No parameter is free. Tick at least one")
         if "drive_t" in self.free and self.scene.drive_t == inf:
             raise ValueError("The drive is rigid. Give drive_t a number in the experiment, under Parameters")
-        found = await jobs.result(tasks.fitted, self.scene, self.measured, tuple(self.free), owner=id(self), **HOW)
-        if isinstance(found, str):
-            raise ValueError(f"No fit: {found}")
-        self.found = found
+        found = self.fitted = await self.call(fit, self.scene, self.measured, tuple(self.free), **LONG)
         warnings = "".join(f" {line[0].upper()}{line[1:]}." for line in found.warnings)
         self.text = f"χ² per point {found.chi2:.3g}, from {counted(found.runs, 'predicted run')}.{warnings}"
 
     def apply(self, event: Any) -> None:
         """Give the sliders the fitted values."""
-        if self.found:
-            values = {name: float(f"{value:.5g}") for name, value in self.found.values.items() if name not in NEUTRAL}
+        if self.fitted:
+            values = {name: float(f"{value:.5g}") for name, value in self.fitted.values.items() if name not in NEUTRAL}
             self.show(self.scene.changed(**values))
 
-    def table(self, found: Any) -> pd.DataFrame:
+    def rows(self, fitted: Any) -> pd.DataFrame:
         """Return fitted values, standard errors, true values of example data, and correlations."""
-        if not found:
-            return pd.DataFrame()
-        names = [label for label, name in FREE.items() if name in found.values]
-        rows = [[f"{found.values[FREE[n]]:.5g}", f"{found.errors[FREE[n]]:.2g}"] for n in names]
-        table = pd.DataFrame(rows, index=pd.Index(names, name="parameter"), columns=["fitted", "± standard error"])
-        if self.truth:
-            table["made with"] = [f"{self.truth[FREE[n]]:.5g}" for n in names]
-        table["correlations"] = [" ".join(f"{c:.2f}" for c in found.correlations[i][:i]) for i in range(len(names))]
-        return table.reset_index()
+        rows, labels = [], {name: label for label, name in FREE.items()}
+        for i, (name, value) in enumerate(fitted.values.items() if fitted else ()):
+            row = {"parameter": labels[name], "fitted": f"{value:.5g}"}
+            row |= {"± standard error": f"{fitted.errors[name]:.2g}"}
+            row |= {"made with": f"{self.truth[name]:.5g}"} if self.truth else {}
+            rows.append(row | {"correlations": " ".join(f"{c:.2f}" for c in fitted.correlations[i][:i])})
+        return pd.DataFrame(rows)
 
     def content(self) -> list[Any]:
-        given = self.param.measured, self.param.curve, self.param.found, self.param.scene
-        plots = [hv.DynamicMap(pn.bind(draw, *given)) for draw in (measured_curves, residuals)]
+        given = self.param.measured, self.param.curve, self.param.fitted, self.param.scene
         file = pn.widgets.FileInput(accept=".csv,.txt,.dat")
-        file.param.watch(self.given, "value")
-        table = pn.bind(self.table, self.param.found)
-        there = self.param.found.rx.is_not(None)
-        save = pn.widgets.FileDownload(visible=there, callback=self.csv, filename="fit.csv", label="Download the table")
+        file.param.watch(lambda event: self.start(partial(self.read, event.new or b"")), "value")
+        there, rows = self.param.fitted.rx.is_not(None), pn.bind(self.rows, self.param.fitted)
         return [
             pn.FlexBox(
                 file,
@@ -143,14 +120,14 @@ class Fit(LabPage):
                 pn.widgets.Button(label="Fit", on_click=lambda event: self.start(self.fit)),
                 pn.widgets.Button(label="Apply to sliders", on_click=self.apply),
             ),
-            pn.FlexBox(*(pn.pane.HoloViews(plot, styles=WIDE) for plot in plots)),
-            pn.widgets.Tabulator(table, disabled=True, show_index=False, visible=there),
-            save,
+            plots(*(pn.bind(draw, *given) for draw in (measured_curves, residuals))),
+            table(rows, visible=there),
+            pn.widgets.FileDownload(visible=there, callback=self.csv, filename="fit.csv", label="Download the table"),
         ]
 
     def csv(self) -> io.StringIO:
         """Return the table as a file."""
-        return io.StringIO(self.table(self.found).to_csv(index=False))
+        return io.StringIO(self.rows(self.fitted).to_csv(index=False))
 
 
 def view(scene: Scene | None = None) -> pn.viewable.Viewable:

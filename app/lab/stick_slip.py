@@ -12,10 +12,9 @@ import numpy as np
 import panel as pn
 import param
 
-from app.lab.base import WIDE, LabPage
+from app.lab.base import LabPage, plots
 from app.limits import INCREMENTS, increments_of
 from app.service import tasks
-from app.service.jobs import jobs
 from solver import Frame, Scene, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, mean_friction, sliding
@@ -31,10 +30,11 @@ FLATS = {  # preset: label of its curve; E in GPa, phi_t in N/m
     "fig4b-weak": "Fig. 4b: 70, 0.004",
     "fig4b-stiff": "Fig. 4b: 3000, 0.2",
 }
-OWN = "this interface"
-EMPTY = dict.fromkeys([OWN, *FLATS.values()], ([], []))  # Bokeh needs all curves of a legend from the start
+PAPER = {label: flat(presets()[name].scene) for name, label in FLATS.items()}
+AXES = "displacement of the top Uₓ (nm)", "F/(w·70 GPa) (10⁻³)"
 MEASURED = 9  # runs to compare with the closed form
 ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
+Found = dict[Scene, list[Frame]]
 
 
 class StickSlip(LabPage):
@@ -46,8 +46,6 @@ class StickSlip(LabPage):
         " slips (Fig. 4a); a weak or stiff one slides continuously, almost without friction (Fig. 4b). Mean friction"
         " is ⟨F⟩ = (F_s + F_k)/2 (Eq. 7); over E/τₘₐₓ it falls on one curve (Fig. 5). Click the map to go there."
     )
-    forces = param.Dict(EMPTY, doc="{label: (U_x nm, F/(w 70 GPa) in 1e-3)}")
-    means = param.Dict({}, doc="{E/tau_max: mean friction over w tau_max} of runs")
     exact = param.Parameter(doc="(E/tau_max, mean friction over w tau_max) in closed form, of the layer")
 
     async def compute(self) -> None:
@@ -55,46 +53,24 @@ class StickSlip(LabPage):
         if increments_of(own) > INCREMENTS:
             what = f"allowed here: {INCREMENTS} increments up to {END:g} nm"
             raise SceneError("du_x", own.du_x, what, "enlarge it")
-        self.means, self.forces = {}, dict(EMPTY)
-        self.exact = await jobs.result(mean_friction, own, owner=id(self))
-        shown = {OWN: own} | {label: flat(presets()[name].scene) for name, label in FLATS.items()}
-        runs = [*shown.items(), *((None, scene) for scene in measured(own))]
-        for done, (label, scene) in enumerate(runs):
-            self.share = done / len(runs)
-            frames = await jobs.result(tasks.flat_frames, scene, owner=id(self))
-            if label:
-                self.forces = self.forces | {label: force_curve(scene, frames)}
-            else:
-                with suppress(ValueError):  # it has not slid far enough
-                    self.means = self.means | mean_of(scene, frames)
-        self.text = in_words(own)
+        self.found = {}
+        self.exact = await self.call(mean_friction, own)
+        await self.run(tasks.flat_frames, [own, *PAPER.values(), *measured(own)])
+        self.text = f"{in_words(own)} {self.text}"
 
     def content(self) -> list[Any]:
-        labels = "displacement of the top Uₓ (nm)", "F/(w·70 GPa) (10⁻³)"
-        forces = hv.DynamicMap(pn.bind(lambda drawn: curves(drawn, *labels), self.param.forces))
-        mean = hv.DynamicMap(pn.bind(mean_plot, self.param.exact, self.param.means, self.param.scene))
+        given = self.param.found, self.param.scene
+        forces = pn.bind(lambda found, scene: curves(force_curves(found, scene), *AXES), *given)
+        mean = pn.bind(mean_plot, self.param.exact, *given)
         regimes = hv.DynamicMap(pn.bind(map_plot, self.param.exact, self.param.scene))
         hv.streams.Tap(source=regimes).add_subscriber(self.go_to)
-        return [pn.FlexBox(*(pn.pane.HoloViews(plot, styles=WIDE) for plot in (forces, mean, regimes)))]
+        return [plots(forces, mean, regimes)]
 
     def go_to(self, x: float | None, y: float) -> None:
         """Show the interface at a point of the map: logarithms of E and phi_t."""
         if x is not None:
             E, phi_t = np.clip(10.0**x, *MODULI), np.clip(10.0**y, *STRENGTHS)
             self.show(flat(self.scene).changed(E=float(f"{E:.3g}"), phi_ratio=float(f"{phi_t / self.scene.phi_n:.3g}")))
-
-
-def mean_plot(exact: Any, means: dict[float, float], scene: Scene) -> Any:
-    """Return mean friction over stiffness, with that of the scene (Fig. 5)."""
-    own, tau = flat(scene), tau_max(scene)
-    return mean_curve(exact, means, own.E / tau if tau else inf, critical_modulus(own) / tau if tau else inf)
-
-
-def map_plot(exact: Any, scene: Scene) -> Any:
-    """Return the map of mean friction of flats on the layer of the scene."""
-    unit = flat(scene).changed(phi_n=2.0, phi_ratio=0.1)
-    slopes = tau_max(unit) / unit.phi_t, critical_modulus(unit) / unit.phi_t
-    return friction_map(exact, scene, slopes, MODULI, STRENGTHS)
 
 
 def measured(own: Scene) -> list[Scene]:
@@ -106,18 +82,39 @@ def measured(own: Scene) -> list[Scene]:
     return [scene for scene in scenes if increments_of(scene) <= INCREMENTS]
 
 
-def force_curve(scene: Scene, frames: list[Frame]) -> tuple[np.ndarray, np.ndarray]:
-    """Return (U_x, F/(w 70 GPa) in 1e-3) of a run in shear: its increments, and where slips begin."""
-    shear = [frame for frame in frames if frame.stage == "shear"]
-    rows = [row for f in shear for row in (*((slip.load, slip.F_bar) for slip in f.slips), (f.U_x, f.F_bar))]
-    U, F = np.array(rows).T
-    return U, F * 1000.0 * scene.E / NORMAL
+def force_curves(found: Found, scene: Scene) -> dict[str, tuple[Any, Any]]:
+    """Return {label: (U_x nm, F/(w 70 GPa) in 1e-3)} of the runs in shear: increments, and where slips begin."""
+    drawn = {}
+    for label, flats in ({"this interface": flat(scene)} | PAPER).items():
+        shear = [frame for frame in found.get(flats, ()) if frame.stage == "shear"]
+        rows = [row for f in shear for row in (*((slip.load, slip.F_bar) for slip in f.slips), (f.U_x, f.F_bar))]
+        U, F = np.array(rows).reshape(-1, 2).T  # Bokeh needs all curves of a legend from the start
+        drawn[label] = U, F * 1000.0 * flats.E / NORMAL
+    return drawn
 
 
-def mean_of(scene: Scene, frames: list[Frame]) -> dict[float, float]:
-    """Return {E/tau_max: mean friction over w tau_max} of a run (Eq. 7)."""
-    ratio = scene.E / tau_max(scene)
-    return {ratio: friction_force(scene, frames).mean * ratio}
+def means(found: Found, own: Scene) -> dict[float, float]:
+    """Return {E/tau_max: mean friction over w tau_max} of the runs of `measured` (Eq. 7)."""
+    values = {}
+    for scene in measured(own):
+        ratio = scene.E / tau_max(scene)
+        with suppress(KeyError, ValueError):  # it is not there yet, or has not slid far enough
+            values[ratio] = friction_force(scene, found[scene]).mean * ratio
+    return values
+
+
+def mean_plot(exact: Any, found: Found, scene: Scene) -> Any:
+    """Return mean friction over stiffness, with that of the scene (Fig. 5)."""
+    own, tau = flat(scene), tau_max(scene)
+    ends = (own.E / tau, critical_modulus(own) / tau) if tau else (inf, inf)
+    return mean_curve(exact, means(found, own), *ends)
+
+
+def map_plot(exact: Any, scene: Scene) -> Any:
+    """Return the map of mean friction of flats on the layer of the scene."""
+    unit = flat(scene).changed(phi_n=2.0, phi_ratio=0.1)
+    slopes = tau_max(unit) / unit.phi_t, critical_modulus(unit) / unit.phi_t
+    return friction_map(exact, scene, slopes, MODULI, STRENGTHS)
 
 
 def in_words(own: Scene) -> str:

@@ -1,9 +1,8 @@
 """Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
 import pickle
-from collections.abc import Generator
-from dataclasses import replace
-from io import StringIO
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -15,11 +14,10 @@ import segno
 from app.service import packing, worker
 from app.service.worker import Part
 from solver import LIMITS, Frame, NotConverged, Profile, ProfileError, Scene, advance, read_profile
-from solver.analysis.fit import fit
-from solver.analysis.friction_laws import Search, search_on
+from solver.analysis.friction_laws import Onset, Search, search_on
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
-from solver.analysis.measurement import Measurement, MeasurementError, read_measurement
+from solver.analysis.measurement import Measurement
 from solver.analysis.sensitivities import sensitivities
 from solver.analysis.theory import theory
 from solver.analysis.toughness import toughness
@@ -71,8 +69,26 @@ def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str
     return str(NotConverged(checkpoint.failure)) if checkpoint.failure else None
 
 
+@dataclass(frozen=True)
+class Failed:
+    """Why a call has no result, a sentence without its full stop."""
+
+    why: str
+
+
+def tried(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Return function(*arguments), or Failed where the arguments have no result."""
+    try:
+        return function(*arguments)
+    except (NotConverged, NotFollowed, ValueError) as error:
+        return Failed(f"{error}".rstrip("."))
+
+
 def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
-    """Return the frames of a run, each with one node only, as all nodes of a flat are alike; or Part."""
+    """Return the frames of a run, each with one node only, as all nodes of a flat are alike; or a Part.
+
+    Raises NotConverged.
+    """
     done, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]
@@ -81,20 +97,10 @@ def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
     return done if checkpoint.done else Part((done, checkpoint))
 
 
-def onset_of(scene: Scene, state: Any = None) -> Any:
-    """Return the Onset of a scene, its curves float32 with about DRAWN points; a Part; or a str: why there is none."""
-    try:
-        search = search_on(scene, state or Search(), SLICE, worker.SLOW)
-    except NotConverged as error:
-        return str(error)
-    onset = search.outcome
-    if onset is None:
-        return Part(search)
-    step = max(1, onset.U.size // DRAWN)
-    keep = np.append(np.arange(0, onset.U.size - 1, step), onset.U.size - 1)
-    curves = {name: getattr(onset, name)[keep].astype(np.float32) for name in ("F", "A")}
-    numbers = {name: getattr(onset, name) for name in ("U_s", "F_s", "A_s", "A_0")}
-    return numbers | curves | {"L_0": float(onset.L[0])}
+def onset_of(scene: Scene, state: Any = None) -> Onset | Part:
+    """Return the Onset of a scene, or a Part. Raises NotConverged."""
+    search = search_on(scene, state or Search(), SLICE, worker.SLOW)
+    return search.outcome or Part(search)
 
 
 def what_matters(scene: Scene) -> dict[str, Any] | str:
@@ -178,45 +184,20 @@ def measured(text: str) -> tuple[Profile | None, str | None]:
         return None, str(error)
 
 
-def measured_curve(text: str, scene: Scene) -> tuple[Measurement | None, str | None]:
-    """Return (the Measurement in the text of a CSV, None), or (None, why the text is not usable)."""
-    try:
-        return read_measurement(StringIO(text), scene), None
-    except MeasurementError as error:
-        return None, str(error)
-
-
 def made_up_scene(scene: Scene, seed: int) -> Scene:
-    """Return the Scene of example data."""
+    """Return the Scene of example data: slightly different friction and depth."""
     change = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, 2)
     values = {"delta_bar": scene.delta_bar + 0.1 * change[1], "phi_ratio": scene.phi_ratio * APART ** change[0]}
     within = {name: float(np.clip(value, LIMITS[name].low, LIMITS[name].high)) for name, value in values.items()}
     return scene.changed(path="shear", **within)
 
 
-def made_up_curve(scene: Scene, seed: int) -> tuple[Measurement | None, str | None]:
-    """Return (a noisy Measurement with slightly different friction and depth, None); or (None, why)."""
-    other, rng = made_up_scene(scene, seed), np.random.default_rng(seed)
-    try:
-        skeleton = skeleton_of(other)
-    except (NotConverged, NotFollowed) as error:
-        return None, f"{error}".rstrip(".")
-    U_x, unit = np.linspace(0.0, other.u_x_max, POINTS + 1)[1:], other.width * other.E
-    F_bar, L_bar, _ = skeleton.curve(U_x)
-    noise = NOISE * np.abs(F_bar).max() * rng.normal(size=(2, POINTS))
-    return Measurement.of(U_x, {"F_bar": F_bar + noise[0], "L_bar": L_bar + noise[1]}, unit=unit), None
-
-
-def fitted(scene: Scene, measured: Any, free: tuple[str, ...]) -> Generator[None, None, Any]:
-    """Return the Fit of parameters to a Measurement, or a sentence: why there is none.
-
-    A generator without items: cancelling it ends its worker (see `jobs`).
-    """
-    yield from ()
-    try:
-        return fit(scene, measured, free)
-    except (NotConverged, NotFollowed, ValueError) as error:
-        return f"{error}".rstrip(".")
+def made_up_curve(scene: Scene, seed: int) -> Measurement:
+    """Return a noisy Measurement of a scene. Raises NotConverged or NotFollowed."""
+    U_x, unit = np.linspace(0.0, scene.u_x_max, POINTS + 1)[1:], scene.width * scene.E
+    F_bar, L_bar, _ = skeleton_of(scene).curve(U_x)
+    noise = NOISE * np.abs(F_bar).max() * np.random.default_rng(seed).normal(size=(2, POINTS))
+    return Measurement.of(U_x, {"F_bar": F_bar + noise[0], "L_bar": L_bar + noise[1]}, unit=unit)
 
 
 def file_of_run(scene: Scene, kind: str) -> bytes | None:

@@ -75,9 +75,13 @@ class MessageFilter(WSHandler):
 
     def on_close(self) -> None:
         """Handle the end of the connection. Bokeh may have noticed it before, by a ping, while messages waited."""
-        connected.discard(self.name)
+        self._give_up_place()
         if self._session is not None:
             super().on_close()
+
+    def _give_up_place(self):
+        connected.discard(self.name)
+        self.name = None  # another connection may have the same token now
 
     async def _async_open(self, token):
         try:
@@ -88,6 +92,7 @@ class MessageFilter(WSHandler):
     def _reject(self, error):
         """Close the connection and log one line, without a traceback."""
         self.rejected = True  # further messages are ignored
+        self._give_up_place()  # at once: a client that does not answer ends the connection only seconds later
         metrics.count("rejected_messages")
         log.info("a browser was rejected: %s", type(error).__name__, extra={"peer": self.request.remote_ip})
         self.close(TRY_LATER)

@@ -217,7 +217,6 @@ def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_live
 def test_an_uploaded_text_is_never_taken_for_the_name_of_a_file(tmp_path):
     file = tmp_path / "p.csv"
     file.write_text("U_x,F\n" + "".join(f"{k},{0.1 * (k % 2)}\n" for k in range(41)))
-    for read in (tasks.measured, lambda text: tasks.measured_curve(text, Scene())):
-        assert read(file.read_text())[0] is not None
-        found, why = read(str(file))
-        assert found is None and why.startswith("line 1: ")
+    assert tasks.measured(file.read_text())[0] is not None
+    found, why = tasks.measured(str(file))
+    assert found is None and why.startswith("line 1: ")

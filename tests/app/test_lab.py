@@ -8,7 +8,8 @@ import panel as pn
 import pytest
 
 from app import lab
-from app.lab import accuracy, area_laws, fit, stick_slip
+from app.lab import accuracy, area_laws, base, fit, stick_slip
+from app.service import tasks
 from app.service.pool import pool
 from solver import Scene, load_path
 from solver.accuracy.compare import Point
@@ -55,21 +56,24 @@ def test_accuracy_measures_a_scene_without_a_server():
 def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs():
     page = stick_slip.StickSlip(presets()["fig4a-blue"].scene)
     assert isinstance(page.view(), pn.viewable.Viewable)
+    drawn = stick_slip.force_curves(page.found, page.scene)
     for name, label in stick_slip.FLATS.items():
         scene = flat(presets()[name].scene)
         frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
-        U, F = page.forces[label]
+        U, F = drawn[label]
         at = np.isin(U, [frame.U_x for frame in frames])
         assert F[at] == pytest.approx([1000 * frame.F_bar * scene.E / 70 for frame in frames], rel=1e-9, abs=1e-9)
     ratios, means = page.exact
-    assert len(page.means) == 9
-    expected = np.interp(np.log(list(page.means)), np.log(ratios), means)
-    assert list(page.means.values()) == pytest.approx(expected, abs=0.02)  # a run stops every 0.2 nm of the drop
+    of_runs = stick_slip.means(page.found, flat(page.scene))
+    assert len(of_runs) == 9
+    expected = np.interp(np.log(list(of_runs)), np.log(ratios), means)
+    assert list(of_runs.values()) == pytest.approx(expected, abs=0.02)  # a run stops every 0.2 nm of the drop
     assert "stick, and slip first" in page.text
 
 
-def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders():
+def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders(monkeypatch):
     page = stick_slip.StickSlip(SMALL)
+    monkeypatch.setattr(page, "start", lambda: None)
     page.go_to(np.log10(200.0), np.log10(0.02))
     scene = page.scene
     assert (scene.surface, scene.E, scene.phi_ratio, scene.delta_bar) == ("flat", 200.0, 0.01, 0.0)
@@ -78,21 +82,34 @@ def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders():
 def test_area_laws_shows_figure_8_of_the_paper_with_the_fitted_laws():
     page = area_laws.AreaLaws(Scene())
     assert isinstance(page.view(), pn.viewable.Viewable)
-    assert list(page.results) == [area_laws.OWN, *area_laws.PAPER] and page.text == ""
-    assert page.results[area_laws.OWN].keys() == set(area_laws.DEPTHS)
-    for name, scene in list(area_laws.PAPER.items())[:2]:
+    series = page.series(page.found)
+    assert page.text == "" and all(list(runs) == list(area_laws.DEPTHS) for runs in series.values())
+    for name, scene in zip(area_laws.NAMES[1:3], area_laws.PAPER, strict=False):
         runs = {depth: onset(scene.changed(delta_bar=depth)) for depth in area_laws.DEPTHS[-3:]}
         for depth, exact in runs.items():
-            found = page.results[name][depth]
-            assert (found["F_s"], found["A_s"]) == pytest.approx((exact.F_s, exact.A_s), rel=1e-9)
-    rows = area_laws.quadratic_table(page.results[page.shown])
+            found = series[name][depth]
+            assert (found.F_s, found.A_s) == pytest.approx((exact.F_s, exact.A_s), rel=1e-9)
+    rows = area_laws.quadratic_table(series[page.shown], page.laws(series[page.shown], page.shown))
     assert len(rows) == len(area_laws.DEPTHS) and rows["ζ"].iloc[0] == "–"  # without contact
+
+
+def test_a_run_without_an_equilibrium_is_named_and_the_others_are_shown(monkeypatch):
+    page = area_laws.AreaLaws(SMALL)
+    lost, shown = SMALL.changed(u_x_max=13.0), SMALL.changed(u_x_max=14.0)
+    outcomes = {lost: tasks.Failed("no equilibrium; raise E"), shown: "an onset"}
+
+    async def result(tried, task, scene, **how):
+        return outcomes[scene]
+
+    monkeypatch.setattr(base.jobs, "result", result)
+    asyncio.run(page.run(tasks.onset_of, outcomes))
+    assert page.found == {shown: "an onset"} and page.text == f"{lost}: no equilibrium; raise E."
 
 
 def test_a_flat_has_no_area_laws():
     page = area_laws.AreaLaws(SMALL.changed(surface="flat"))
     page.view()
-    assert "no edge that can peel" in page.text and not any(page.results.values())
+    assert "no edge that can peel" in page.text and not page.found
 
 
 def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_sliders(monkeypatch):
@@ -102,20 +119,20 @@ def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_slider
     page.start(page.example)
     assert "400 points" in page.text and page.truth.keys() == set(fit.FREE.values())
     page.start(page.fit)
-    assert page.found.values["phi_ratio"] == pytest.approx(page.truth["phi_ratio"], rel=0.1)
-    table = page.table(page.found)
+    assert page.fitted.values["phi_ratio"] == pytest.approx(page.truth["phi_ratio"], rel=0.1)
+    table = page.rows(page.fitted)
     assert list(table["parameter"]) == ["friction / adhesion φₜ/φₙ", "press depth δ/δ₀"]
     page.apply(None)
-    assert page.scene.phi_ratio == float(f"{page.found.values['phi_ratio']:.5g}")
+    assert page.scene.phi_ratio == float(f"{page.fitted.values['phi_ratio']:.5g}")
 
 
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "Not read"),
+        (b"", "line 1: "),
         (b"U_x,F\n1,2\n1,x\n", "line 3: F = 'x'"),
         (b"U_x (nm),F (mN)\n" + ROWS, "divide it by the width of the contact"),
-        (b"\xff\xfe\x00", "Not read"),
+        (b"\xff\xfe\x00", "line 1: "),
         (b"1" * 2_000_001, "2000001 bytes; allowed: 2000000"),
     ],
 )

@@ -270,6 +270,29 @@ def test_a_silent_connection_does_not_keep_visitors_out(address, monkeypatch, ca
     assert "TimeoutError" in record.message and record.peer == "127.0.0.1"
 
 
+def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "app")
+    monkeypatch.setattr(message_filter, "SILENT", 0.2)
+    monkeypatch.setattr(message_filter, "VISITORS", 1)
+    monkeypatch.setattr(message_filter, "connected", set())
+    token, (host, port) = tokens(get(f"{address}/app")[2]), address.removeprefix("http://").split(":")
+    lines = [
+        "GET /app/ws HTTP/1.1",
+        "Host: localhost",
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
+        f"Sec-WebSocket-Protocol: bokeh, {token}",
+    ]
+    with socket.create_connection((host, int(port)), timeout=60) as connection:
+        connection.sendall("\r\n".join([*lines, "", ""]).encode())
+        while b"\x88" not in connection.recv(65536):  # the frame that closes the connection
+            pass
+        assert get(f"{address}/app")[0] == 200
+    assert logged(caplog, "rejected")
+
+
 def test_a_page_that_was_opened_before_the_lesson_still_connects(address):
     payload = get_token_payload(tokens(get(f"{address}/app")[2]))
     assert payload["session_expiry"] - time.time() > 3500

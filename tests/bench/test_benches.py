@@ -16,6 +16,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "fit": (["--draws", "1", "--starts", "1", "--box", "1", "--sparse", "1", "--points", "100"], "reach the truth"),
     "follow": (["--scenes", "1"], "F, L and A all right"),
     "jumps": (["--scenes", "1"], "1 scenes"),
+    "lab": (["--visits", "1", "--only", "accuracy"], "server"),
     "landings": (["--scenes", "1"], "1 scenes, 1 slips judged"),
     "map": (["--x", "delta_bar=0:0.2:2", "--y", "phi_ratio=0.5:1:2", "--workers", "1", "--checks", "1"], "U_s off by"),
     "onset": (["--scenes", "1"], "1 scenes at du_x"),

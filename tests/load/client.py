@@ -144,13 +144,13 @@ def wire_of(content):
 class Server:
     """`panel serve app` on a free port of this machine's own, with warm workers; `lines` is what it logs."""
 
-    def __init__(self):
+    def __init__(self, visitors=400):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
         command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
         command += ["--address", "127.0.0.1", "--allow-websocket-origin", f"localhost:{self.port}"]
-        room = os.environ | {"APP_VISITORS": "400"}
+        room = os.environ | {"APP_VISITORS": str(visitors)}
         piped = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
         self.process = subprocess.Popen(command, cwd=ROOT, env=room, **piped)
         self.lines, warm = [], threading.Event()

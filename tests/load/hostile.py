@@ -297,7 +297,7 @@ def main():
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()
     options.messages = min(options.messages, 100_000)
-    with Server() as server:
+    with Server(VISITORS) as server:
         report = asyncio.run(attack(server, options))
         if report["tracebacks"]:
             print("".join(line for line in server.lines if "Traceback" in line))
