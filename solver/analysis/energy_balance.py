@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..run.frame import Frame, kind, moving
+from ..run.frame import Frame
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ def layer_energy(frame) -> float:
 
 def _top(before, frame, following):
     """Work of the stage between two frames, nN: F dU_x + L d(delta)."""
-    if moving(frame.stage) == "delta":
+    if frame.stage.moves == "delta":
         return _integral(before, frame, following, "delta", "L")
-    if kind(frame.stage) == "move":
+    if frame.stage.kind == "move":
         return _integral(before, frame, following, "U_x", "F") + _integral(before, frame, following, "delta", "L")
     # a held load is the same before and after a slip, however delta changes
     return _integral(before, frame, following, "U_x", "F") + _trapezoid(before, frame, "delta", "L")
@@ -96,7 +96,7 @@ def _integral(before, frame, following, along, force):
     if following is not None and not following.slips and getattr(following, along) != end:
         slope = (getattr(following, force) - last) / (getattr(following, along) - end)
     total = 0.0
-    first, of = load, moving(frame.stage)
+    first, of = load, frame.stage.moves
     for slip in frame.slips:
         part = (slip.load - getattr(before, of)) / (getattr(frame, of) - getattr(before, of))
         at = first + part * (end - first)

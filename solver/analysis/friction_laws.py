@@ -69,8 +69,8 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
             at = slips[0]
             return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar, nodes)], True))
         rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes))
-        gap = scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
-        strength = tau_max(scene) * float(np.exp(-gap / scene.delta_n).sum()) / scene.nodes  # the springs' mean there
+        springs = float(np.exp(-frame.gap / scene.delta_n).sum()) / scene.nodes
+        strength = tau_max(scene) * springs  # the springs' mean there
         end = max(end, reach(scene, strength))
         if frame.U_x >= end:
             return Search(outcome=_onset(rows, False))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..run.frame import kind
+from ..run.frame import Stage
 from ..scene import Scene
 from ..tables import LISTED, SHOWN, Source, TableError, listed, read_table
 from ..text import UNITS
@@ -186,7 +186,7 @@ def _sheared(table, stage):
     if stage is None:
         return table
     texts = table.cells[stage]
-    shears = [each for each in texts.unique() if kind(each) == "shear"]
+    shears = [each for each in texts.unique() if Stage(each).kind == "shear"]
     if len(shears) == 1:
         return replace(table, cells=table.cells[texts == shears[0]])
     found = ", ".join(repr(each[:SHOWN]) for each in (shears or list(texts.unique()))[:LISTED])

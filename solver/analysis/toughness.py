@@ -151,7 +151,7 @@ def release_rates(frame: Frame) -> tuple[Edge, Edge]:
     inside = (x >= where[0, 0]) & (x <= where[0, 1])
     if (np.abs(u[0, inside]) > 0.5 * scene.spacing).any():
         raise ValueError("a node in contact passed to another site; choose a frame before the first slip")
-    apart = np.stack((u[0], scene.profile[node] + u[1]))
+    apart = np.stack((u[0], frame.gap))
     stiffness = -tangent(scene, apart[0, middle], apart[1, middle])[[0, 3]]
     stored = 0.5 * T[:, middle] ** 2 / np.maximum(stiffness, np.finfo(float).tiny)
     left, right = slice(middle, None, -1), slice(middle, None)

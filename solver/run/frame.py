@@ -14,8 +14,7 @@ from ..continuation.rest import REST
 from ..mechanics.flutter import safe_damping
 from ..scene import Scene
 
-# stage: what changes along it, and which way. A stage of path "points" has a number before, as in "2 shear".
-STAGES = {
+STAGES = {  # {kind of a stage: what changes along it, and which way}
     "approach": ("delta", 1.0),
     "shear": ("U_x", 1.0),
     "back": ("U_x", -1.0),
@@ -32,14 +31,27 @@ CONTACT, CONTACT_OF_FLATS = 1e-8, 1e-3
 SAMPLE = 8  # frames, in which the safe damping changes by less than 0.05 along a branch; computing one takes 0.2 ms
 
 
+class Stage(str):
+    """A stage of the load path, as text: "shear", or "2 shear" with its number on path "points"."""
+
+    def __new__(cls, kind: str, number: int = 0) -> "Stage":
+        """kind: a key of STAGES; number: of a stage of path "points", 0 for another path."""
+        return super().__new__(cls, f"{number} {kind}" if number else kind)
+
+    @property
+    def kind(self) -> str:
+        """The stage without its number."""
+        return self.split(" ")[-1]
+
+    @property
+    def moves(self) -> str:
+        """What changes along the stage, "U_x" or "delta": the load of its SlipEvents."""
+        return STAGES[self.kind][0]
+
+
 def moving(stage: str) -> str:
-    """What changes along a stage, "U_x" or "delta": the load of its SlipEvents."""
-    return STAGES[kind(stage)][0]
-
-
-def kind(stage: str) -> str:
-    """A stage without its number."""
-    return stage.split(" ")[-1]
+    """What changes along a stage of that name."""
+    return Stage(stage).moves
 
 
 @dataclass(frozen=True)
@@ -75,7 +87,7 @@ class Frame:
     """
 
     scene: Scene
-    stage: str  # of the load path: as of `load_steps.LoadStep`
+    stage: Stage
     index: int  # of the increment within its stage
     U_x: float  # nm, of the stage
     delta: float  # nm, of the stage
@@ -110,6 +122,11 @@ class Frame:
     def unit(self) -> float:
         """N/m of force per unit of F_bar and L_bar, those of `slips` too."""
         return self.scene.width * self.scene.E
+
+    @property
+    def gap(self) -> NDArray[np.float64]:
+        """Distance of the surfaces at the nodes of the patch, (m,) nm; negative where they overlap."""
+        return self.scene.profile[self.first :][: self.u.shape[1]] + self.u[1]
 
     @property
     def F(self) -> float:
@@ -164,11 +181,7 @@ def largest_safe_damping(frames: Sequence[Frame]) -> float:
 
 def largest_overlap(frames: Sequence[Frame]) -> float:
     """The largest depth over delta_n by which the surfaces of a Frame overlap; 0.0 where they do not."""
-    gaps = (frame.scene.profile[frame.first :][: frame.u.shape[1]] + frame.u[1] for frame in frames)
-    deepest = min(
-        (float(gap.min()) / frame.scene.delta_n for gap, frame in zip(gaps, frames, strict=True)), default=0.0
-    )
-    return max(-deepest, 0.0)
+    return max([0.0, *(-float(frame.gap.min()) / frame.scene.delta_n for frame in frames)])
 
 
 def slips_in(run) -> list[SlipEvent]:
@@ -178,7 +191,7 @@ def slips_in(run) -> list[SlipEvent]:
 
 def slides_in(frame) -> list[SlipEvent]:
     """The SlipEvents of a Frame of a stage that moves U_x, without the "control" jump; none where delta alone moves."""
-    return slips_in(frame) if moving(frame.stage) == "U_x" else []
+    return slips_in(frame) if frame.stage.moves == "U_x" else []
 
 
 def forces(scene, T) -> tuple[Any, Any]:
@@ -222,7 +235,7 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v)
     u, given = _read_only(problem.surface(state.v)), _read_only(T)
-    position = scene, stage, index, float(U_x), 0.0 - float(U_z), problem.contact.first
+    position = scene, Stage(stage), index, float(U_x), 0.0 - float(U_z), problem.contact.first
     return Frame(*position, u, given, *forces_and_area(scene, T), residual, evaluations, slips, repeated)
 
 

@@ -10,7 +10,7 @@ from math import hypot, inf
 
 from ..mechanics.equilibrium import Equilibrium
 from ..scene import Leg
-from .frame import STAGES, kind, moving
+from .frame import STAGES, Stage
 
 # delta_0 above first touch, where a retraction ends even if the punch still adheres: a punch on E = 0.5 GPa detaches at
 # 3.7 (phi_n 1, 128 nodes), softer layers would be stretched far beyond their linear range
@@ -55,7 +55,7 @@ def sideways(sign, U_z) -> Loading:
 class LoadStep:
     """One stage: increment k of 0 .. increments is at load min(end, start + k increment), nm."""
 
-    stage: str
+    stage: Stage
     loading: Loading
     start: float
     increment: float  # nm
@@ -75,9 +75,9 @@ class LoadStep:
 
 def load_steps_of(scene) -> tuple[LoadStep, ...]:
     """The LoadSteps of a scene's path, in order."""
-    numbered = [f"{number} {_moving(leg)}" for number, leg in enumerate(scene.legs[1:], 2)]
-    stages, legs = ("approach", *numbered, *_STAGES.get(scene.path, ())), scene.legs or _legs(scene)
-    return tuple(_straight(scene, *each) for each in zip(stages, legs, strict=True))
+    kinds, legs = [*map(_kind, scene.legs[1:]), *_STAGES.get(scene.path, ())], scene.legs or _legs(scene)
+    stages = [Stage(kind, number if scene.legs else 0) for number, kind in enumerate(kinds, 2)]
+    return tuple(_straight(scene, *each) for each in zip((Stage("approach"), *stages), legs, strict=True))
 
 
 def abscissa(scene) -> str:
@@ -100,7 +100,7 @@ def position(frame, slip=None) -> float:
     far += step.loading.load_of(frame) - (step.start if step.stage != "approach" else step.end)
     if slip is None:
         return far
-    name = moving(frame.stage)
+    name = frame.stage.moves
     return far - abs((getattr(frame, name) - slip.load) / step.loading.direction[name == "delta"])
 
 
@@ -130,8 +130,8 @@ def _legs(scene):
     return [Leg(*ends, *scene.steps) for ends in pairwise((begin, pressed, *ends))]
 
 
-def _moving(leg):
-    """The stage of a Leg between points."""
+def _kind(leg):
+    """The kind of the stage of a Leg between points."""
     if leg.across and leg.down:
         return "move"
     return ("shear" if leg.across > 0.0 else "back") if leg.across else "reload" if leg.down > 0.0 else "unload"
@@ -140,8 +140,8 @@ def _moving(leg):
 def _straight(scene, stage, leg):
     """The LoadStep of a Leg."""
     (x, delta), (x_end, delta_end), du_x, du_z = leg
-    (name, sign), held = STAGES[kind(stage)], False
-    if kind(stage) == "move":
+    (name, sign), held = STAGES[stage.kind], False
+    if stage.kind == "move":
         start, end = 0.0, hypot(leg.across, leg.down)
         loading = Loading("path", (x, -delta), (leg.across / end, -leg.down / end))
         increment = end / leg.increments

@@ -18,7 +18,7 @@ from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
-from .frame import Frame, SlipEvent, forces_and_area, frame_of
+from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
 METHODS: Mapping[str, Callable[..., Any]] = MappingProxyType({"fast": QuasiStatic, "gfmd": Gfmd})
@@ -39,7 +39,7 @@ class Checkpoint(NamedTuple):
     Example: `frames, checkpoint = advance(Scene())`
     """
 
-    stage: str = "approach"
+    stage: Stage = Stage("approach")
     increment: int = 0  # the next one, within its stage
     state: State | None = None
     trace: Trace | None = None  # what the stage has passed, and the ends of the one before

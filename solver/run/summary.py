@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.layer import Convolution, Modes
-from .frame import Frame, SlipEvent, kind, largest_safe_damping, moving, slides_in
+from .frame import Frame, SlipEvent, largest_safe_damping, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
 
 ADHERES = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
@@ -79,7 +79,7 @@ def cleared(force: float, least: float) -> float:
 def values_of(frame: Frame, event: SlipEvent, least: float = 0.0) -> dict[str, Any]:
     """A SlipEvent of a Frame by plain names: stage, U_x or delta (nm), F, L (N/m), A (nm), kind, located, sensitive."""
     forces = {"F": cleared(event.F_bar * frame.unit, least), "L": cleared(event.L_bar * frame.unit, least)}
-    where = {"stage": event.stage, moving(event.stage): event.load} | forces | {"A": event.A_bar * frame.scene.width}
+    where = {"stage": event.stage, frame.stage.moves: event.load} | forces | {"A": event.A_bar * frame.scene.width}
     return where | {"kind": kind_of(frame, event), "located": event.located, "sensitive": event.sensitive}
 
 
@@ -88,8 +88,7 @@ def kind_of(frame: Frame, event: SlipEvent) -> str:
 
     They are apart where every gap is beyond the peak of adhesion, at delta_n.
     """
-    gap = frame.scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
-    apart = kind(event.stage) == "unload" and event is frame.slips[-1] and gap.min() > frame.scene.delta_n
+    apart = frame.stage.kind == "unload" and event is frame.slips[-1] and frame.gap.min() > frame.scene.delta_n
     return "pull-off" if apart else event.kind
 
 
@@ -123,7 +122,7 @@ def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
         "L_s": first.get("L"),
         "A_s": first.get("A"),
     }
-    if retraction := [f.L for f in after if kind(f.stage) == "unload"]:
+    if retraction := [f.L for f in after if f.stage.kind == "unload"]:
         summary["L_min"] = min(retraction)
     return summary
 

@@ -43,11 +43,10 @@ def slips(frames):
 def kind(scene, frames):
     """What two runs have in common if one can be followed to the other: contact, slips, and by how many sites."""
     first = next(frame for frame in frames if frame.stage == "shear")
-    gap = scene.profile[first.first : first.first + first.u.shape[1]] + first.u[1]
     loads = np.array(slips(frames))
     periods = np.diff(loads[-4:])
     sites = sorted({round(period / scene.spacing / SAME) for period in periods})
-    return bool(gap.min() < TOUCHING * scene.delta_n), loads.size > 0, sites, loads.size
+    return bool(first.gap.min() < TOUCHING * scene.delta_n), loads.size > 0, sites, loads.size
 
 
 def alike(kinds):

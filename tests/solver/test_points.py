@@ -1,6 +1,7 @@
 """Path `points`: straight lines of the stage in U_x and delta."""
 
 import json
+import pickle
 from itertools import pairwise
 
 import numpy as np
@@ -37,6 +38,9 @@ def test_points_that_spell_another_path_give_its_frames(path, points):
 def test_stages_have_the_number_of_their_line_and_the_name_of_what_moves():
     stages = [step.stage for step in load_steps_of(through("0,-1; 0,0; 4,0; 4,0.2; 2,0.2; 3,-1; 3,-0.5"))]
     assert stages == ["approach", "2 shear", "3 reload", "4 back", "5 move", "6 reload"]
+    assert [stage.kind for stage in stages] == ["approach", "shear", "reload", "back", "move", "reload"]
+    assert [stage.moves for stage in stages] == ["delta", "U_x", "delta", "U_x", "U_x", "delta"]
+    assert pickle.loads(pickle.dumps(stages)) == stages
 
 
 def test_an_oblique_line_ends_at_its_point_and_keeps_the_energy_balance():

@@ -87,9 +87,8 @@ def touches(frame: Frame) -> bool:
 
 def least_gap(frame: Frame) -> tuple[int, float]:
     """(node, its gap, nm) where the gap is least."""
-    gap = frame.scene.profile[frame.first : frame.first + frame.u.shape[1]] + frame.u[1]
-    k = int(gap.argmin())
-    return frame.first + k, float(gap[k])
+    k = int(frame.gap.argmin())
+    return frame.first + k, float(frame.gap[k])
 
 
 def at_slip(start: Frame, before: Frame, after: Frame, event: SlipEvent) -> dict[str, Any]:
