@@ -12,7 +12,8 @@ Nyquist mode is uncoupled. The residual max |U + C T(u) - u| (nm) is the error m
 
 What each module and folder holds; none imports from a line below its own:
 tables                          columns of numbers from text files
-schema, surfaces, scene         parameters with ranges and choices, shapes of the surface, the Scene
+schema, surfaces, round_off, scene
+                                parameters with ranges and choices, shapes of the surface, the Scene
 text, profile, presets          scenes from text, profiles from files, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem
 mechanics/                      the physics: NP1 law, elastic layer, contact
@@ -21,7 +22,7 @@ run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
 cautions, plots                 sentences on choices that affect a result; plots
 analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
-results                         a run as tables and plots, first slips of many scenes
+results, sweeps                 a run as tables and plots; the first slips of many scenes
 accuracy/                       error against run time of one scene
 files                           the files of a run: CSV, NPZ, JSON
 cli/                            the command line
@@ -37,13 +38,14 @@ from .following.from_run import skeleton_from, skeleton_of
 from .following.moved import NotFollowed
 from .following.skeleton import Skeleton
 from .profile import ProfileError, read_profile
-from .results import Result, simulate, sweep
+from .results import Result, simulate
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, load_path
 from .run.slices import advance
 from .run.summary import summarize, whole_surface
 from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError
 from .surfaces import Profile
+from .sweeps import sweep
 from .text import scene_from_text
 
 if TYPE_CHECKING:

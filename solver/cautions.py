@@ -8,7 +8,6 @@ from .run.summary import widest
 
 COARSE = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
 FAR = 4.0  # a / delta_t, most: above, a node moved sideways without friction leaves the reach of its spring
-NEARLY_RIGID = 0.499  # nu: from here on pressure moves nodes sideways by 0.2 % of the way it presses them in
 # of w, the width within which nodes act. At 0.62 neighbours as near change A_0 by 2 % and F_s by 4 %, at 0.81 by 9 and
 # 13 % (256 nodes of the default spacing, radius 2.5 w, against a cell twice as wide with the same punch and layer)
 WIDE = 0.6
@@ -53,7 +52,8 @@ def _of_the_lattice(scene):
             f"Node spacing a = {ratio:.2g} δₜ is below {COARSE:g} δₜ: the corrugation, and with it the friction, is"
             " smoothed away. Use fewer nodes, or a smaller δₜ."
         )
-    if ratio > FAR and scene.nu < NEARLY_RIGID:
+    # from nu = 0.499 on, pressure moves nodes sideways by 0.2 % of the way it presses them in
+    if ratio > FAR and scene.nu < 0.499:
         yield (
             f"Node spacing a = {ratio:.2g} δₜ is above {FAR:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes move"
             " sideways, out of reach of their springs, and the contact grows too wide. Use more nodes, or a larger δₜ."

@@ -17,7 +17,6 @@ from uuid import uuid4
 
 from .isolated import TRACEBACK, Lost
 
-LOOK = 1.0  # s between two checks for workers that left
 PATIENCE = 5.0  # s for the scheduler to answer; on a local network it takes milliseconds
 
 
@@ -86,7 +85,7 @@ class Cluster:
         """Notify each Remote when its worker leaves, and all when the connection is lost."""
         there = True
         while there and self.client is client:
-            sleep(LOOK)
+            sleep(1.0)
             try:
                 known = set(client.sync(client.scheduler.ncores, callback_timeout=PATIENCE))
                 there = client.status == "running"

@@ -25,7 +25,7 @@ ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMB
 START = "forkserver" if sys.platform == "linux" else "spawn"
 LIMIT = 600.0  # s for a call: 15 times what five of the most expensive scenes of tests/bench/box.py take
 TRACEBACK = -6  # the innermost calls that a message shows: enough to find the cause
-RETURN, AGAIN = 30.0, 1.0  # s to wait for a worker of a cluster to come back, and between two attempts
+RETURN = 30.0  # s to wait for a worker of a cluster to come back
 starting = RLock()
 
 
@@ -193,7 +193,7 @@ class Callers:
             try:
                 return self._make()
             except Lost:
-                if monotonic() > due or self._over.wait(AGAIN):
+                if monotonic() > due or self._over.wait(1.0):
                     raise
 
 

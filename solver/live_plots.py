@@ -18,7 +18,6 @@ from .scene import LIMITS, Scene
 METHODS = {"fast": ("#0072B2", "circle"), "gfmd": ("#D55E00", "square")}  # colour and marker of each
 WORKS = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
 LEAST = 1e-13  # drawn on logarithmic axes, which have no zero
-ROWS = 120  # of a map of friction
 # Colours of Okabe & Ito, which colour-blind readers distinguish, and dashes for print
 COLOURS = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 MARKERS = "circle", "square", "triangle", "diamond"
@@ -108,7 +107,7 @@ def friction_map(
     slopes: tau_max and the critical modulus over phi_t, GPa m/N; moduli, strengths: ends of the axes.
     The line is the critical modulus: stick-slip to its left, continuous sliding to its right.
     """
-    E, phi_t = np.geomspace(*moduli, ROWS), np.geomspace(*strengths, ROWS)
+    E, phi_t = (np.geomspace(*ends, 120) for ends in (moduli, strengths))
     ratios, means = exact or (np.ones(1), np.zeros(1))
     over = E / (phi_t[:, None] * slopes[0])
     image = np.interp(np.log(over), np.log(ratios), means, left=means[0], right=0.0)

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BACKENDS = {".html": "bokeh", ".png": "matplotlib", ".svg": "matplotlib"}
-LINE = 90  # characters of a line of the title
 # Below each other: as wide as a column of text, three on one screen
 SIZES = {"bokeh": {"width": 700, "height": 240}, "matplotlib": {"aspect": 3}}
 UNITS = {"U_s": "nm", "F_s": "N/m", "A_s": "nm", "A_0": "nm", "L_min": "N/m"}
@@ -183,7 +182,7 @@ def save(
     with drawn_with(BACKENDS[suffix]):
         drawn = hv.render(draw(*content), backend=BACKENDS[suffix])
     if BACKENDS[suffix] == "matplotlib":
-        drawn.suptitle("\n".join(wrap(text, LINE)), y=0.99, va="bottom", fontsize="medium")
+        drawn.suptitle("\n".join(wrap(text, 90)), y=0.99, va="bottom", fontsize="medium")
         drawn.savefig(file, bbox_inches="tight", metadata={"Title": text})
         return
     from bokeh.embed import file_html

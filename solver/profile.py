@@ -11,9 +11,6 @@ from .tables import SHOWN, Source, listed, read_table
 from .text import UNITS, counted
 
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
-LARGEST = 1e9  # nm, a metre: beyond it the unit is wrong
-JOIN = 0.05  # share of the length, at each end, over which the two ends are brought to one height
-FINER = 4  # times as many points where unequal distances are resampled: so the corners of the linear pieces stay
 
 
 class Points(NamedTuple):
@@ -74,9 +71,9 @@ def _points(source):
             allowed = f"allowed units: {', '.join(UNITS['nm'])}"
             raise ProfileError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
         columns[name] = columns[name] * UNITS["nm"][unit]
-        large = np.flatnonzero(np.abs(columns[name]) > LARGEST)
+        large = np.flatnonzero(np.abs(columns[name]) > 1e9)  # a metre: the unit is wrong
         if large.size:
-            reason = f"{name} = {columns[name][large[0]]:g} nm: allowed: -{LARGEST:g} .. {LARGEST:g} nm; check its unit"
+            reason = f"{name} = {columns[name][large[0]]:g} nm: allowed: -1e+09 .. 1e+09 nm; check its unit"
             raise ProfileError(reason, int(lines[large[0]]))
     read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
     points = Points(lines, columns["x"], columns["z"])
@@ -143,9 +140,9 @@ def _reject_steep(points, remedy, why=""):
 
 
 def _joined(points):
-    """(Points with ends of one height, note): the step is spread over JOIN of the length at each end, as a cosine."""
+    """(Points with ends of one height, note): the step is spread over 5 % of the length at each end, as a cosine."""
     _, x, z = points
-    step, reach = float(z[-1] - z[0]), JOIN * points.length
+    step, reach = float(z[-1] - z[0]), 0.05 * points.length
     steepest = np.pi * abs(step) / (4.0 * reach)
     if steepest > STEEPEST:
         raise ProfileError(
@@ -164,7 +161,7 @@ def _at_equal_distances(points):
     _, x, z = points
     gaps = np.diff(x)
     even = np.ptp(gaps) <= EVEN * gaps.mean()
-    count = gaps.size if even else FINER * gaps.size
+    count = gaps.size if even else 4 * gaps.size  # so the corners of the linear pieces stay
     if even and count <= MOST_POINTS:
         return z[:-1], []
     count = min(count, MOST_POINTS)

@@ -1,4 +1,4 @@
-"""A computed experiment as tables and plots: `simulate` one scene, `sweep` the first slips of many."""
+"""A computed experiment as tables and plots."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
-from itertools import product
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -19,13 +18,12 @@ from .cautions import cautions_of
 from .continuation.state import NotConverged
 from .following.from_run import skeleton_from, skeleton_of
 from .following.skeleton import Skeleton
-from .isolated import Lost, outcomes
-from .run.frame import Frame, slides_in
+from .run.frame import Frame, SlipEvent
 from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
-from .run.loadpath import Checkpoint, Run, load_path
-from .run.summary import curves_of, fields_of, kind_of, least_force, values_of
-from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+from .run.loadpath import Checkpoint, Run
+from .run.summary import curves_of, fields_of, first_slip, kind_of, least_force, values_of
+from .scene import Scene
 from .text import counted
 from .threads import one_thread
 
@@ -38,7 +36,6 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
 
 FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
 PARTED = "pulled off"  # in the reason of a run that ends so under a held load
-SVG = 320, 90  # pixels of the curve in a notebook: readable beside a table, and no taller than four of its lines
 
 
 class FirstSlip(NamedTuple):
@@ -103,13 +100,13 @@ class Result:
             "kind": kind_of(frame, event),
             "sensitive": event.sensitive,
         }
-        return row | dict(zip(FIRST, _first(frame, event, least)._replace(U_s=U_s), strict=True))
+        return row | dict(zip(FIRST, first_of(frame, event, least)._replace(U_s=U_s), strict=True))
 
     @property
     def first_slip(self) -> FirstSlip | None:
         """The FirstSlip of a stage that moves U_x; None without one."""
-        found = ((frame, event) for frame in self.frames for event in slides_in(frame))
-        return next((_first(frame, event) for frame, event in found), None)
+        found = first_slip(self.frames)
+        return found and first_of(*found)
 
     @property
     def pull_off(self) -> PullOff | None:
@@ -266,63 +263,7 @@ def with_progress(scene: Scene, path: Iterable[Any], **options: Any) -> Iterable
     return tqdm(path, total=count, unit=" increments", **options)
 
 
-def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any]) -> pd.DataFrame:
-    """Computes the first slip for every combination of parameter values.
-
-    Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
-    Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm),
-    and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
-    Raises ValueError for a name that is no parameter, or values that are no list; SceneError for a value outside its
-    range, and for one that path 'points' does not use.
-
-    With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
-
-    Example: `sweep(delta_bar=[0.0, 0.2], phi_ratio=[0.5, 1.0])`
-    """
-    import pandas as pd
-
-    combinations, scenes = _swept(scene or Scene(), values)
-    if workers > 1:
-        first = dict(outcomes(first_slip, scenes, workers))
-    else:
-        first = {k: first_slip(each) for k, each in enumerate(scenes)}
-    rows = [first[k] if isinstance(first[k], dict) else {"outcome": _lost(first[k])} for k in range(len(scenes))]
-    rows = [given | row for given, row in zip(combinations, rows, strict=True)]
-    return pd.DataFrame(rows, columns=[*values, *FIRST, "outcome"])
-
-
-def _swept(scene, values):
-    """(the combinations of {name: values}, the Scene of each); raises as `sweep`."""
-    for name, listed in values.items():
-        if name not in PARAMETERS:
-            raise ValueError(f"{name} is no parameter of a Scene; allowed: {', '.join(PARAMETERS)}")
-        if isinstance(listed, str) or not isinstance(listed, Iterable):
-            raise ValueError(f"{name} = {listed!r}: allowed: a list of values; write {name}=[{listed!r}]")
-    combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
-    scenes = [scene.changed(**combination) for combination in combinations]
-    for name in SET_BY_POINTS:
-        if name in values and any(each.legs for each in scenes):
-            why = "not used with path 'points', whose points set it"
-            raise SceneError(name, values[name], why, "sweep points instead")
-    return combinations, scenes
-
-
-def _lost(lost: Lost) -> str:
-    return f"not computed: {lost}"
-
-
-def first_slip(scene: Scene) -> dict[str, Any]:
-    """The first slip of a scene as a row of `sweep`; the run ends there."""
-    try:
-        for frame in load_path(scene):
-            if slips := slides_in(frame):
-                return dict(zip(FIRST, _first(frame, slips[0]), strict=True)) | {"outcome": "slips"}
-    except NotConverged as failure:
-        return {"outcome": str(failure)}
-    return {"outcome": "no slip"}
-
-
-def _first(frame, event, least=0.0):
+def first_of(frame: Frame, event: SlipEvent, least: float = 0.0) -> FirstSlip:
     """The FirstSlip of a SlipEvent of a Frame; forces up to `least` are zero."""
     values = values_of(frame, event, least)
     return FirstSlip(event.load, values["F"], values["L"], values["A"])
@@ -333,7 +274,7 @@ def _curve(scene, frames):
     if len(frames) < 2:
         return ""
     x, y = np.array([(place(frame), frame.F) for frame in frames]).T
-    wide, high = SVG
+    wide, high = 320, 90  # pixels: readable beside a table, and no taller than four of its lines
     at = [(value - value.min()) / (np.ptp(value) or 1.0) for value in (x, y)]
     points = " ".join(f"{wide * a:.1f},{high * (1.0 - b):.1f}" for a, b in zip(*at, strict=True))
     label = f"F over {abscissa(scene)}, {y.min():.4g} to {y.max():.4g} N/m"

@@ -21,8 +21,7 @@ Floats = NDArray[np.float64]
 
 STEEPEST = 0.3  # slope of a wave or a measured profile; beyond it slopes are not small: 1 - cos of the angle is 5 %
 FEWEST_NODES = 8  # to a wavelength of a wave: linear between them, its slope is right to 3 %
-SHORTEST = 4  # node spacings to the cut-off wavelength: two to half a wave
-FEWEST_POINTS = 16  # of a measured profile: two waves of FEWEST_NODES
+FEWEST_POINTS = 2 * FEWEST_NODES  # of a measured profile: two waves
 LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
@@ -155,9 +154,9 @@ def rough(scene: Any) -> Floats:
 
 
 def _rough_refused(scene):
-    least = SHORTEST / scene.nodes
+    least = 4 / scene.nodes  # two node spacings to half a wave
     if scene.cut_off < least:
-        return "cut_off", f"allowed: {least:.4g} .. 1 w, {SHORTEST} node spacings or more", "enlarge it, or nodes"
+        return "cut_off", f"allowed: {least:.4g} .. 1 w, 4 node spacings or more", "enlarge it, or nodes"
     if scene.cut_off > scene.roll_off:
         return "cut_off", f"allowed: up to roll_off = {scene.roll_off:g}", "lower it, or enlarge roll_off"
     return None

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 Source = str | bytes | PathLike[str] | TextIO
 MOST_BYTES = 10_000_000  # of a file: 16,384 points, more than any run has nodes, in lines of 600 characters
-MOST_COLUMNS = 100  # of a file; a table of some bytes with a million empty columns would fill the memory
 SHOWN = 40  # characters of a cell or a heading in a message
 LISTED = 3  # lines or columns that a note lists
 # F, Friction force, F (N/m), F [N/m], U_x/nm, U_x / nm. Every part has a largest length, so any text is read in time
@@ -106,8 +105,8 @@ def read_table(
     numbers, rows = zip(*lines[start:], strict=True)
     sizes = [len(row.split(separator)) for row in rows]
     width = sizes[0] if named is None else len(columns)
-    if max(sizes) > MOST_COLUMNS:
-        raise error(f"{max(sizes)} columns; allowed: up to {MOST_COLUMNS}", numbers[int(np.argmax(sizes))])
+    if max(sizes) > 100:  # a table of some bytes with a million empty columns would fill the memory
+        raise error(f"{max(sizes)} columns; allowed: up to 100", numbers[int(np.argmax(sizes))])
     cells = read_csv(
         StringIO("\n".join(rows)), sep=separator or r"\s+", header=None, names=range(max(width, *sizes, 1)), dtype=str,
         keep_default_na=False, quoting=3, skip_blank_lines=False, index_col=False,

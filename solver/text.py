@@ -23,7 +23,6 @@ UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
     "δ₀": {"δ₀": 1.0, "delta_0": 1.0},
 }
 SAME = str.maketrans({"−": "-", "∞": "inf", "μ": "µ"})  # the last: Greek mu, and the micro sign
-DIGITS = 12  # of a converted value: 0.07 TPa is 70 GPa, not 70.00000000000001
 
 
 def number_from_text(
@@ -50,7 +49,8 @@ def number_from_text(
     value = float(match["mantissa"].replace(",", ".") + match["exponent"])
     if "," in given and notes is not None:
         notes.append(f"{name} = {given}: the comma was read as a decimal point, {value:g}.")
-    return float(f"{value * units[match['unit']]:.{DIGITS}g}") if match["unit"] else value
+    # 0.07 TPa is 70 GPa, not 70.00000000000001
+    return float(f"{value * units[match['unit']]:.{12}g}") if match["unit"] else value
 
 
 def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, notes: list[str] | None = None) -> Scene:

@@ -20,12 +20,7 @@ from ..scene import Scene, SceneError
 
 Method = str | Callable[..., Any]  # as of `load_path`
 QUANTITIES = ("F", "L", "A")
-REFINED = (10, 5, 2, 1)  # divisors of the scene's increments for the reference: the first one in range
-TIGHTEST = (1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # nm: tolerances tried for the reference, where round-off allows
 NOTHING = np.array([1e-30, 1e-30, 1e-6])  # of F_bar, L_bar, A_bar: the least scale of an error, where all is zero
-# of the larger of F and L: the least scale of the error of a force that stays below, as L on the flat does. So its
-# relative error is at most 100 times that of the other force
-SMALLEST = 0.01
 
 
 @dataclass
@@ -90,7 +85,8 @@ class Point:
 def refined(scene: Scene) -> Scene:
     """The scene with a tenth of both increments, or the smallest part in range."""
     for name in ("du_x", "du_z"):
-        parts = [getattr(scene, name) / divisor for divisor in REFINED]
+        # divisors for the reference: the first one in range
+        parts = [getattr(scene, name) / divisor for divisor in (10, 5, 2, 1)]
         scene = scene.changed(**{name: in_range(scene, name, parts)[0]})
     return scene
 
@@ -108,7 +104,8 @@ def in_range(scene: Scene, name: str, values: Iterable[float]) -> list[float]:
 def reference(scene: Scene) -> Curves:
     """The Curves to compare with; raises NotConverged."""
     fine = refined(scene)
-    for tolerance in TIGHTEST:
+    # nm, where round-off allows
+    for tolerance in (1e-12, 1e-11, 1e-10, 1e-9, 1e-8):
         fine = fine.changed(tolerance=max(tolerance, 2.0 * fine.attainable))
         curves = recorded(fine, load_path(fine, leave_out=ALL - {"translation"}))
         if not curves.failure:
@@ -160,7 +157,9 @@ def on_branch(curves: Curves, best: Curves) -> list[float | None]:
     if not both:
         return [None] * len(QUANTITIES)
     scale = np.maximum(np.abs(list(best.rows.values())).max(axis=0), NOTHING)
-    scale[:2] = np.maximum(scale[:2], SMALLEST * scale[:2].max())  # F and L share a unit
+    # of the larger of F and L: the least scale of the error of a force that stays below, as L on the flat does. So its
+    # relative error is at most 100 times that of the other force
+    scale[:2] = np.maximum(scale[:2], 0.01 * scale[:2].max())  # F and L share a unit
     errors = np.abs([np.subtract(curves.rows[at], best.rows[at]) for at in both]).max(axis=0)
     return (errors / scale).tolist()
 

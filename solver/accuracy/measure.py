@@ -20,7 +20,6 @@ SWEEPS = {
     "du_x": (0.2, 0.5, 1.0, 2.0, 5.0, 10.0),
 }
 SERIES: dict[str, Method] = {"fast": "fast", "gfmd": "gfmd"}  # name: method of `load_path`
-REPEATS = 3  # of a run of fast, which is short: the shortest time counts
 
 
 class Effort(NamedTuple):
@@ -75,7 +74,8 @@ def measure(
             point = replace(point, failure="left out: a cheaper run was stopped")
         else:
             if run not in finished:  # the scene's own values belong to every sweep
-                repeats = REPEATS if point.series == "fast" else 1
+                # a run of fast is short: the shortest time of three counts
+                repeats = 3 if point.series == "fast" else 1
                 finished[run] = perform(run[1], series[point.series], effort.longest, repeats)
             point = compare(point, finished[run], best)
             stopped |= {kin} if finished[run].stopped else set()

@@ -5,8 +5,6 @@ from math import sqrt
 
 import numpy as np
 
-EARLY, LATE = 0.5, 0.9  # of the largest F^2: `rise` compares the first half and the last tenth of a branch
-
 
 @dataclass(frozen=True)
 class QuadraticLaw:
@@ -56,10 +54,10 @@ def _rise(x, A):
     """The late over the early rate -dA/dx, up to the largest x."""
     top = int(np.argmax(x)) + 1  # under tension the force passes a flat maximum before the slip
     x, A = x[:top], A[:top]
-    half, late = (float(np.interp(part * x[-1], x, A)) for part in (EARLY, LATE))
+    half, late = (float(np.interp(part * x[-1], x, A)) for part in (0.5, 0.9))
     if half == A[0]:
         raise ValueError(f"A = {half:g} up to half the largest F^2: no early rate; give a branch along which A changes")
-    return float((late - A[-1]) / (1.0 - LATE) * EARLY / (A[0] - half))
+    return float((late - A[-1]) / 0.1 * 0.5 / (A[0] - half))
 
 
 def _in_contact(x_name, x, A_name, A):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..continuation.state import OutOfTime
+from ..continuation.state import TINY, OutOfTime
 from ..scene import LIMITS, Scene
 from ..tables import Source
 from .measurement import JUMP, Measurement, read_measurement
@@ -23,21 +23,8 @@ from .prediction import AHEAD
 from .trial import AXES, NO_RUN, Model, TimeUp, Trial
 
 APART = 0.99  # correlation beyond which parameters count as one: each has 7 times the error it has alone
-VAGUE = 0.5  # standard error over value, beyond which a 95 % interval contains 0: the data do not determine it
-UNLIKELY = 5.0  # standard deviations of chi^2 above what noise makes, beyond which the curve does not fit
 FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
-AGREES = 1.0  # standard deviations of a point, by which an exact run may differ from a continued one
-PERIODS = 0.25  # relative difference, beyond which slips go on by another number of sites
-STEPS = 30  # trials of one search, at most: one that converges takes some 6 (tests/bench/fit.py)
-# Searches: each optimum is compared with an exact run, and the next search starts there if it differs. One that has not
-# settled after two such corrections goes to and fro.
-SEARCHES = 4
-# Relative changes of the parameters and of chi^2 that end a search. With 400 points the latter is a change by 0.003
-# standard errors.
-XTOL, FTOL = 1e-7, 1e-8
 LIMIT = 60.0  # s, of a fit: about as long as somebody waits
-
-
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 
 
@@ -118,15 +105,16 @@ def _optimum(model, limit):
     """The Optimum of a Model: its Trial is one of an exact run, unless there is none. Raises as `fit`."""
     x, trial = model.start(), None
     try:
-        for _ in range(SEARCHES):
+        for _ in range(4):  # a search that has not settled after two corrections by an exact run goes to and fro
+            # one that converges takes some 6 trials; with 400 points ftol is a change by 0.003 standard errors
             least_squares(
                 model.residuals, x, model.jacobian, model.bounds(),
-                x_scale=model.sizes(), max_nfev=STEPS, xtol=XTOL, ftol=FTOL,
+                x_scale=model.sizes(), max_nfev=30, xtol=1e-7, ftol=1e-8,
             )  # fmt: skip
             trial = model.best
             x, exact = trial.x, model.exact(model.scene_of(trial.x))
             continued, trial = trial, model.trial(x, exact)
-            if np.abs(trial.residuals - continued.residuals).max() < AGREES:
+            if np.abs(trial.residuals - continued.residuals).max() < 1.0:  # standard deviation of a point
                 return Optimum(model, trial)
             model.restart(exact)
     except NO_RUN as error:
@@ -152,8 +140,8 @@ def _chi2(trial):
 
 
 def _fits(trial):
-    """Whether chi^2 is no larger than noise makes it."""
-    return _chi2(trial) < 1.0 + UNLIKELY * (2.0 / _freedom(trial)) ** 0.5
+    """Whether chi^2 is no larger than noise makes it, to five standard deviations."""
+    return _chi2(trial) < 1.0 + 5.0 * (2.0 / _freedom(trial)) ** 0.5
 
 
 def _fit_of(optimum):
@@ -173,7 +161,7 @@ def _fit_of(optimum):
 
 def _uncertainty(jacobian):
     """(standard deviations (n,), correlations (n, n)) of parameters, from residuals' derivatives (k, n)."""
-    size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    size = np.maximum(np.linalg.norm(jacobian, axis=0), TINY)
     curvature, ways = np.linalg.eigh((jacobian / size).T @ (jacobian / size))
     covariance = (ways / np.maximum(curvature, FLAT)) @ ways.T / np.outer(size, size)
     deviation = np.sqrt(np.diag(covariance))
@@ -196,7 +184,7 @@ def _remedy(model, trial):
     period, apart = trial.predicted.skeleton.period, np.diff(model.intervals.mean(axis=0))
     if period and trial.predicted.slipping and apart.size:
         measured = float(np.median(apart))
-        if abs(measured / period - 1.0) > PERIODS:
+        if abs(measured / period - 1.0) > 0.25:  # slips go on by another number of sites
             return f"the data slip every {measured:.3g} nm, the curve every {period:.3g} nm; vary E or phi_ratio"
     return "check units and noise, free other parameters, or vary the start"
 
@@ -217,8 +205,9 @@ def _of_parameters(model, trial, errors, correlations):
     size = np.linalg.norm(trial.jacobian, axis=0)
     at_end = np.minimum(x - low, high - x) <= 1e-9 * np.maximum(1.0, np.abs(x))  # scipy stays 1e-10 of it inside
     for i, name in enumerate(free):
-        vague = errors[i] > VAGUE * abs(x[i]) and name not in ("offset_U", "offset_F", "delta_bar")
-        if vague or at_end[i] or size[i] <= 1e-300:
+        # a 95 % interval contains 0
+        vague = errors[i] > 0.5 * abs(x[i]) and name not in ("offset_U", "offset_F", "delta_bar")
+        if vague or at_end[i] or size[i] <= TINY:
             found = f"{x[i]:.4g} +- {errors[i]:.2g}" + ", at the end of its range" * bool(at_end[i])
             warnings.append(f"the data do not determine {name}: {found}; fix it, or measure more")
         for j in range(i):
@@ -237,7 +226,7 @@ def _given(model, trial):
         slopes = Model(scene, model.measured, model.free + fixed).trial(x, trial.predicted.skeleton).jacobian
     except NO_RUN:  # these derivatives are a check only
         return []
-    slopes /= np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    slopes /= np.maximum(np.linalg.norm(slopes, axis=0), TINY)
     along = slopes[:, :n] @ np.linalg.lstsq(slopes[:, :n], slopes[:, n:], rcond=FLAT)[0]
     alike = [name for name, share in zip(fixed, np.linalg.norm(along, axis=0), strict=True) if share > APART]
     if not alike:

@@ -20,11 +20,6 @@ from numpy.typing import NDArray
 from ..mechanics.layer import stiffness
 from ..run.frame import Frame
 
-FAR = 50.0  # q (h - z), beyond which the top is neglected: it reflects exp(-2 FAR) (q h)^2 < 1e-29
-
-
-DEPTHS = 101  # heights at which stress is given by default: every hundredth of the layer
-
 
 class Stress(NamedTuple):
     """Stress in the layer (GPa, tension positive) at x (m,) and z (k,), nm: xx, zz and xz (k, m).
@@ -43,12 +38,12 @@ class Stress(NamedTuple):
 
 
 def stress_in(frame: Frame, z: NDArray[np.float64] | None = None) -> Stress:
-    """The Stress of a Frame at all nodes and the heights z (k,) nm, by default DEPTHS even ones, to round-off.
+    """The Stress of a Frame at all nodes and the heights z (k,) nm, by default 101 even ones, to round-off.
 
     Raises ValueError for a z outside the layer.
     """
     scene, height = frame.scene, frame.scene.height * frame.scene.width
-    z = np.linspace(0.0, height, DEPTHS) if z is None else np.atleast_1d(np.asarray(z, float))
+    z = np.linspace(0.0, height, 101) if z is None else np.atleast_1d(np.asarray(z, float))
     if not (z.min() >= 0.0 and z.max() <= height):
         raise ValueError(f"z = {z.min():g} .. {z.max():g}: allowed: 0 .. {height:g} nm; leave out what is outside")
     T = np.zeros((2, scene.nodes))
@@ -77,7 +72,7 @@ def shape_of(q, z, height, nu) -> tuple:
     """
     y, eta, zeta, kappa = q * height, q * z, q * (height - z), 3.0 - 4.0 * nu
     down, r = exp(-eta), 2.0 * zeta * y + 4.0 * (1.0 - nu) * (1.0 - 2.0 * nu)
-    if zeta > FAR:
+    if zeta > 50.0:  # q (h - z): the top reflects exp(-2 zeta) (q h)^2 < 1e-29
         return y, eta, zeta, r, down, down, 0.0, 0.0
     up = exp(-y - zeta)
     a, b, t = down * down, up * up, down * up

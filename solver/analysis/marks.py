@@ -4,24 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..continuation.trace import Branch, Trace
+from ..continuation.trace import STENCIL, Branch, Trace
 from ..following.follow import follow
 from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..scene import Scene, SceneError
 from .friction_laws import critical_modulus, softening
 
-STRIDE = 0.2  # largest step of delta_bar on the way to L = 0
 BEGINNING = 0.1  # shear, in delta_t, that the Skeleton keeps: it needs some
-INTERVALS = 6  # between the states of this shear
-NO_LOAD = 1e-3  # of the largest |L| so far: counts as zero load
 ENDS = {"E": (3000.0, 10.0), "phi_ratio": (0.002, 2.0)}  # ends of the range that is searched, the smoother first
 LABELS = {"E": "slides smoothly", "phi_ratio": "slips above"}  # behaviour above the mark
-FACTOR = 1.25  # largest ratio of two successive values
-PART = 0.6  # largest step, as a part of the distance to the predicted end of slips: beyond it slips get lost
 CLOSE = 0.1  # relative distance: the prediction is accepted if it repeats this near, or following stops
-LEAST = 0.03  # smallest relative step: shorter ones take too long
-SECANT_STEPS = 20  # steps on the way to L = 0, at most
 ENOUGH = 8000  # force evaluations of one search for the end of slips
 
 
@@ -45,12 +38,12 @@ def of_flat(scene: Scene, name: str) -> tuple[tuple[float, str], ...]:
 def _no_load(skeleton):
     """delta_bar at which the contact carries no load before shear; None if following ends before it."""
     here, loads = _at_rest(skeleton), []
-    for _ in range(SECANT_STEPS):
+    for _ in range(20):
         loads.append((here.scene.delta_bar, float(here.curve([0.0])[1][0])))
         at, L = loads[-1]
-        if abs(L) <= NO_LOAD * max(abs(load) for _, load in loads):
+        if abs(L) <= 1e-3 * max(abs(load) for _, load in loads):
             return at
-        following = at - STRIDE * np.sign(L)
+        following = at - 0.2 * np.sign(L)  # so far, following works
         drawn, pressed = ([x for x, load in loads if load * sign > 0.0] for sign in (-1.0, 1.0))
         if drawn and pressed:
             (x0, y0), low, high = loads[-2], max(drawn), min(pressed)
@@ -67,7 +60,7 @@ def _at_rest(skeleton):
     """Return the Skeleton of the same scene with little shear: enough to compute the load."""
     reach = BEGINNING * skeleton.scene.delta_t
     scene = skeleton.scene.changed(u_x_max=reach, du_x=BEGINNING)
-    loads = np.linspace(0.0, reach, INTERVALS + 1)
+    loads = np.linspace(0.0, reach, STENCIL + 1)
     v = skeleton.unknowns(loads)
     trace = Trace((Branch.of(loads, v),), jumps=skeleton.trace.jumps)
     return replace(skeleton, scene=scene, trace=trace)
@@ -82,8 +75,9 @@ def _border(skeleton, name):
         return None
     end, way = np.log(ENDS[name][0]), 1.0 if ENDS[name][0] > ENDS[name][1] else -1.0
     here, at, left = skeleton, np.log(getattr(skeleton.scene, name)), _slip_squared(skeleton)
-    ahead, stride, spent = np.inf, np.log(FACTOR), 0  # predicted distance and step, of the logarithm
-    while spent < ENOUGH and (step := min(stride, PART * ahead, way * (end - at))) > LEAST:
+    ahead, stride, spent = np.inf, np.log(1.25), 0  # predicted distance and step, of the logarithm
+    # from steps beyond 0.6 of the way to the predicted end slips get lost; steps below 3 % take too long
+    while spent < ENOUGH and (step := min(stride, 0.6 * ahead, way * (end - at))) > 0.03:
         try:
             there = follow(here, here.scene.changed(**{name: float(np.exp(at + way * step))}))
         except (NotFollowed, SceneError):

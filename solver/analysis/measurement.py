@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..continuation.state import TINY
 from ..run.frame import Stage
 from ..scene import Scene
 from ..tables import LISTED, SHOWN, Source, TableError, listed, read_table
@@ -20,10 +21,6 @@ STEEP = 8.0
 # Least drop of a slip over the steps beside it and over the 90 % quantile of rises, on a sparse curve. 24 scenes at 5
 # to 8 points a period with 1.2 % noise (tests/bench/fit.py, BASE): 1.7 took smooth sliding for slips, 2.5 missed 6 %.
 ALONE = 2.0
-RISING = 0.9  # the largest rises may be noise
-FLOOR = 2e-4  # least noise over the largest value: a curve interpolated between states is right to some 1e-4
-NORMAL = 0.6745  # median of |x| of a normal distribution of unit deviation
-CALM = 4.0  # deviations; noise alone exceeds it once in 16,000 differences
 DIFFERENCES = {3: 20.0, 2: 6.0}  # order: variance of such a difference over that of a point
 UNIT_OF = {"U_x": "nm", "F_bar": "", "F": "N/m", "L_bar": "", "L": "N/m", "A_bar": "", "A": "nm"}  # of columns read
 NEEDED = "U_x (nm) and F (N/m), or F_bar"
@@ -95,7 +92,7 @@ class Measurement:
 def noise_of(y: NDArray[np.float64], drops: NDArray[np.int_] | tuple[int, ...] = ()) -> float:
     """Standard deviation of the noise of a curve y (k,), from differences of third order, of second where too few.
 
-    Differences across `drops` (the index before each) and those beyond CALM are left out: they contain slips.
+    Differences across `drops` (the index before each) and those beyond four deviations are left out as slips.
     """
     differences = np.zeros(0)
     for order, variance in DIFFERENCES.items():
@@ -104,8 +101,11 @@ def noise_of(y: NDArray[np.float64], drops: NDArray[np.int_] | tuple[int, ...] =
         differences = np.abs(np.diff(y, order)[usable]) / variance**0.5
         if differences.size >= FEWEST:
             break
-    calm = differences[differences <= CALM * float(np.median(differences)) / NORMAL] if differences.size else [0.0]
-    return max(float(np.mean(np.square(calm))) ** 0.5, FLOOR * float(np.abs(y).max()), 1e-300)
+    # a normal distribution has the median 0.6745 of |x| in deviations; noise exceeds four once in 16,000 differences
+    most = 4.0 / 0.6745 * float(np.median(differences)) if differences.size else 0.0
+    calm = differences[differences <= most] if differences.size else [0.0]
+    # a curve interpolated between states is right to some 1e-4
+    return max(float(np.mean(np.square(calm))) ** 0.5, 2e-4 * float(np.abs(y).max()), TINY)
 
 
 def drops_of(F: NDArray[np.float64]) -> NDArray[np.int_]:
@@ -128,7 +128,8 @@ def slips_of(F: NDArray[np.float64], noise: float) -> tuple[int, ...]:
 def _rise(steps):
     """The 90 % quantile of rising steps; 0 without any."""
     rises = steps[steps > 0.0]
-    return float(np.quantile(rises, RISING)) if rises.size else 0.0
+    # the largest rises may be noise
+    return float(np.quantile(rises, 0.9)) if rises.size else 0.0
 
 
 def read_measurement(source: Source, scene: Scene) -> Measurement:

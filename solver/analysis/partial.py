@@ -17,7 +17,6 @@ from ..scene import LIMITS, SURFACES, Scene, SceneError
 
 Floats = NDArray[np.float64]
 STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
-ONE_SIDED = 1e-7  # the same at the end of a range, where truncation is of first order: both errors are some 1e-8
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
 DRIVE = ("drive_t", "drive_n")  # that of a rigid drive, inf, has no values beside it
 LAYER = ("E", "nu", "height", "width", *DRIVE)  # parameters of the compliance of layer and drive
@@ -57,7 +56,8 @@ class Change:
         """The Change by one of the `continuous` parameters; raises SceneError."""
         value = getattr(scene, name)
         size = abs(value) or min(1.0, LIMITS[name].high)
-        for parts in ((-STEP, STEP), (0.0, ONE_SIDED), (-ONE_SIDED, 0.0)):
+        # at the end of a range truncation is of first order, and as large as round-off at 1e-7: both are some 1e-8
+        for parts in ((-STEP, STEP), (0.0, 1e-7), (-1e-7, 0.0)):
             try:
                 low, high = (scene.changed(**{name: value + part * size}) for part in parts)
             except SceneError:

@@ -11,11 +11,7 @@ from ..run.frame import contact_area
 from .sensitivities import Sensitivities
 
 Floats = NDArray[np.float64]
-END = 1e-3  # of t from 1; nearer, dF/dU is infinite, and F changes by the square of that
 BESIDE = 5e-4  # of t, for a derivative by it: the error is the square, and round-off 1e-12
-# Part of the largest drop of F above which a drop is visible, if none is above `seen`. It is below 1, so that the
-# largest one is visible: it may grow in later trials.
-PART = 0.9
 # Slips are listed up to so many times the measured range, as offset_U and parameters move them into and out of it. A
 # trial that needs more is rejected: it has too few slips.
 AHEAD = 2.0
@@ -41,7 +37,7 @@ class Slips(NamedTuple):
 class Predicted:
     """The curve of a run from its Sensitivities, cut into segments at its visible slips.
 
-    A slip is visible if F_bar drops by more than `seen`, or by more than PART of its largest drop. The k-th measured
+    A slip is visible if F_bar drops by more than `seen`, or by more than 0.9 of its largest drop. The k-th measured
     segment is compared with the k-th predicted one, each point with the branch at its U_x. Beyond the end of a branch
     its last value counts, so that predictions are continuous in the parameters. start, reach: the measured range of
     U_x, nm.
@@ -64,7 +60,8 @@ class Predicted:
     @cached_property
     def segments(self) -> list[list[tuple[int, int]]]:
         """[(index of a branch, periods since its first pass), ...] of each segment, in order, to AHEAD of the reach."""
-        seen = min(self.seen, PART * max(self.drops)) if np.isfinite(self.seen) else np.inf
+        # a drop is visible if none is above `seen`, and it may grow in later trials
+        seen = min(self.seen, 0.9 * max(self.drops)) if np.isfinite(self.seen) else np.inf
         segments: list[list[tuple[int, int]]] = [[]]
         for index, turns in self.skeleton.trace.passes():
             segments[-1].append((index, turns))
@@ -161,7 +158,7 @@ def _without_end(branch, loads, names):
 def _to_a_fold(branch, loads, names):
     """The Curve on a branch to a fold, interpolated in t, in which it is smooth."""
     states = branch.branch
-    weights, inside = states.weights(loads).T, np.clip(states.position(loads), BESIDE, 1.0 - END)
+    weights, inside = states.weights(loads).T, np.clip(states.position(loads), BESIDE, 1.0 - 2.0 * BESIDE)
     before, after = (states.load_at(inside + way) for way in (-BESIDE, BESIDE))
     slopes = branch.values[1:] @ ((states.weights(after) - states.weights(before)).T / (after - before))
     slopes[:, (loads < states.start) | (loads > states.end)] = 0.0

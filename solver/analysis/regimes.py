@@ -9,12 +9,6 @@ from .friction_laws import critical_modulus, friction, tau_max
 
 MODULI, STRENGTHS = (10.0, 3000.0), (0.004, 4.0)  # E in GPa, phi_t in N/m: the line of E_c crosses the map
 END = 40.0  # nm, of a run that shows curves: 16 lattice periods of the default
-STEP = 0.2  # delta_t, increments of a run that gives the friction: slips are located, however long the increments
-# Times the shear at which springs bear tau_max, where the flat slips at the latest; and lattice periods beyond. Slips
-# land between two increments: with 1 and 3, fewer of them, means change by up to 2 %.
-SHEAR, PERIODS = 2.5, 3
-
-RATIOS = 200  # points of the curve of mean friction
 
 
 def flat(scene) -> Scene:
@@ -26,8 +20,11 @@ def flat(scene) -> Scene:
 def sliding(scene, E) -> Scene:
     """The flat at modulus E, GPa, sheared over two periods of steady sliding; raises SceneError."""
     stiffer = scene.changed(E=float(f"{E:.6g}"))
-    end = SHEAR * tau_max(scene) * stiffer.shear_compliance + PERIODS * scene.spacing
-    return stiffer.changed(u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=STEP)
+    # where springs bear tau_max, the flat slips at the latest. Slips land between two
+    # increments: with 1 in place of 2.5 and fewer of them, means change by up to 2 %
+    end = 2.5 * tau_max(scene) * stiffer.shear_compliance + 3.0 * scene.spacing
+    # slips are located, however long the increments
+    return stiffer.changed(u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=0.2)
 
 
 def mean_friction(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
@@ -36,7 +33,7 @@ def mean_friction(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     Mean friction depends only on this ratio and on the layer.
     """
     own = scene.changed(phi_n=2.0, phi_ratio=0.1)
-    ratios = critical_modulus(own) / tau_max(own) * np.geomspace(1e-4, 10.0, RATIOS)
+    ratios = critical_modulus(own) / tau_max(own) * np.geomspace(1e-4, 10.0, 200)
     low, high = LIMITS["E"][:2]
     ratios = ratios[(ratios * tau_max(own) >= low) & (ratios * tau_max(own) <= high)]
     if ratios.size == 0:

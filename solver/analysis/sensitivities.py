@@ -35,10 +35,7 @@ from .partial import Change, Pulled, States, continuous
 
 Floats = NDArray[np.float64]
 RESIDUAL = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
-NEWTON = 4  # most steps that solve a state to the scene's tolerance: from 1e-5 nm it takes one or two
-CORRECTED = 1e-4  # accuracy of the linear solve of such a step: the rest of 1e-5 nm moves derivatives by 1e-9
 ACCURACY = 1e-9  # of a linear solve; derivatives are asked for to 1e-5, and amplified near a fold
-ACCURACY_ALONG = 1e-7  # the same at states along a branch, where nothing is amplified
 SHARP = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
 
 
@@ -202,12 +199,12 @@ class _Differentiator:
     def settled(self, v, load, accuracy=ACCURACY, tolerance=None) -> _State:
         """The _State next to v by Newton's steps; raises NotFollowed where they do not reach the tolerance, nm."""
         problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
-        for _ in range(NEWTON):
+        for _ in range(4):  # from 1e-5 nm it takes one or two
             linearised = problem.linearised(v)
             if problem.residual(v, load, r) <= tolerance:
                 return _State(linearised, Solves(linearised, accuracy=accuracy), problem.traction(v))
-            v = v - Solves(linearised, accuracy=CORRECTED)(r)
-        raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by {NEWTON} Newton steps")
+            v = v - Solves(linearised, accuracy=1e-4)(r)  # the rest moves derivatives by 1e-9
+        raise NotFollowed(f"the state at U_x = {load:g} nm is not solved by 4 Newton steps")
 
     def adjoints(self, state, G_T) -> tuple[Floats, Floats]:
         """(y (k, 2, m), x (k, size)) of k quantities G, from their derivatives G_T (k, 2, m) by the tractions."""
@@ -237,7 +234,7 @@ class _Differentiator:
         solutions: list[tuple[Floats, Floats]] = []
         for i in range(n - (fold is not None)):
             passed = branch.states[i]
-            state = self.settled(passed.v, passed.load, ACCURACY_ALONG)
+            state = self.settled(passed.v, passed.load, 1e-7)  # along a branch nothing is amplified
             outputs[1:, i] = forces_and_area(self.scene, state.T)
             solutions.append(self.adjoints(state, gradients(self.scene, state.T)))
             slope[:, i] = solutions[-1][1] @ self.problem.direction

@@ -17,13 +17,8 @@ from ..run.load_steps import lifts
 from ..scene import Scene
 from .toughness import toughness
 
-LEAST = 0.8  # Maugis' number: at 0.5 the area is 6 % off, as the tail of NP1 bears a part of the load
-STIFF = 0.25  # least nu: at 0 the coupling that is left out makes the area of a soft punch 9 % smaller
-NARROW = 0.2  # largest half-width of a contact over the width of the cell and over the height of the layer
-COARSE = 2.0  # least spacing over delta_t: a node then feels mostly one site, as `toughness` supposes
 ANGLES = np.radians(range(0, 81, 10))  # mode angles at which the toughness is computed
 POINTS = 200  # of a curve
-HALVINGS = 50  # of an interval with a zero in it
 M = np.arange(1, 60)[:, None]  # harmonics of the sum over sites: exact to round-off for any spacing in range
 
 
@@ -53,12 +48,13 @@ def theory(scene: Scene) -> tuple[Theory, ...]:
     slides = scene.phi_t > 0.0 and not lifts(scene) and not scene.legs
     if scene.surface == "flat":
         return _flat(scene) if slides and scene.hold == "delta" else ()
-    return _punch(scene, slides) if scene.surface == "circular" and scene.nu >= STIFF else ()
+    # at nu = 0 the coupling that is left out makes the area of a soft punch 9 % smaller
+    return _punch(scene, slides) if scene.surface == "circular" and scene.nu >= 0.25 else ()
 
 
 def _zero(f, low, high):
     """The zeros of increasing functions, given as one of arrays, between low and high; high where there is none."""
-    for _ in range(HALVINGS):
+    for _ in range(50):
         middle = 0.5 * (low + high)
         below = f(middle) < 0.0
         low, high = np.where(below, middle, low), np.where(below, high, middle)
@@ -128,12 +124,15 @@ def _punch(scene, slides):
     gamma = scene.phi_n * contact.springs
     pull = gamma / (e * scene.delta_n)
     number = 4.0 * pull / (pi**2 * contact.E**2 * gamma / contact.R) ** (1.0 / 3.0)
-    delta, A, P = _maugis(contact, gamma, pull, number, NARROW * scene.width * min(1.0, scene.height))
-    if number < LEAST or not delta.size:
+    # largest half-width of a contact over the width of the cell and over the height of the layer
+    delta, A, P = _maugis(contact, gamma, pull, number, 0.2 * scene.width * min(1.0, scene.height))
+    # Maugis' number: at 0.5 the area is 6 % off, as the tail of NP1 bears a part of the load
+    if number < 0.8 or not delta.size:
         return ()
     limit = f"It holds without shear, once the surfaces have jumped together; better the larger λ, here {number:.2g}."
     found = [Theory("Maugis", "A", "delta", delta, A, limit)]
-    if slides and delta[0] < scene.delta < delta[-1] and scene.spacing >= COARSE * scene.delta_t:
+    # a node then feels mostly one site, as `toughness` supposes
+    if slides and delta[0] < scene.delta < delta[-1] and scene.spacing >= 2.0 * scene.delta_t:
         load = float(np.interp(scene.delta, delta, P)) if scene.hold == "load" else None
         limit = "It holds up to the first slip, where nodes at the edges move to the next site."
         found.append(Theory("Griffith", "A", "U_x", *_griffith(scene, contact, load), limit))

@@ -26,8 +26,6 @@ STEEPEST = radians(80.0)  # of psi: towards pure shear the cohesive zone grows w
 CELLS = 120  # of the interface at the tip; Gamma is 1e-3 phi_n above that of very many, 3e-3 at phi_ratio 0.02
 BEHIND, AHEAD = 40.0, 120.0  # lengths E* delta_n^2/phi_n bonded before the tip and open behind it: as CELLS
 NARROW = 6.0  # cells at the tip are exp(NARROW) times as narrow as those at the ends
-BOUND = 4.0  # of a step of Newton's iteration, over delta_n: 8 fails for phi_ratio = 20
-STEPS, CLOSE = 200, 1e-9  # of Newton's iteration, at most; its last step over delta_n
 
 
 UNITS = ("x", "nm"), ("J", "N/m"), ("psi", "rad")  # of an Edge
@@ -90,7 +88,7 @@ def _tip(psi, ratio, delta_t, opening):
     m, far, here = middle.size, 4.0 * np.sqrt(middle / (2.0 * pi)), middle.size // 2
     way = np.array([np.cos(psi), np.sin(psi)])
     x = np.append(np.outer(way, 4.0 * np.sqrt(np.maximum(middle - middle[here], 0.0) / pi + 0.01)), np.sqrt(2.0))
-    for _ in range(STEPS):
+    for _ in range(200):
         n, t = x[:m], x[m:-1]
         T, J = _spring(n, t, ratio, delta_t, opening)
         place = n[here] ** 2 + (t[here] / delta_t) ** 2 - 1.0
@@ -100,8 +98,9 @@ def _tip(psi, ratio, delta_t, opening):
         A[-1, here], A[-1, m + here] = 2.0 * n[here], 2.0 * t[here] / delta_t**2
         step = np.linalg.solve(A, -r)
         largest = float(np.abs(step).max())
-        x += min(1.0, BOUND / largest) * step
-        if largest < CLOSE:
+        # 8 delta_n fails for phi_ratio = 20
+        x += min(1.0, 4.0 / largest) * step
+        if largest < 1e-9:
             return float(sum(np.trapezoid(np.append(0.0, T[k]), np.append(0.0, d)) for k, d in enumerate((n, t))))
     raise ValueError(f"psi = {psi:.3g} rad: no crack tip found; use an angle nearer to 0")
 

@@ -20,11 +20,7 @@ from .prediction import Predicted
 from .sensitivities import sensitivities
 
 Floats = NDArray[np.float64]
-SCALES = (0.1, 10.0)  # range of scale_F: a factor beyond is a wrong unit
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
-# factor on the last residuals, for a trial without a run: where residuals grow, the optimiser goes back, and a quarter
-# as far. Any factor well above 1 does so
-WORSE = 10.0
 RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
 
@@ -98,7 +94,8 @@ class Model:
 
     def bounds(self) -> Floats:
         """(lowest (n,), highest (n,))."""
-        free = {"scale_F": SCALES, "offset_U": (-np.inf, np.inf), "offset_F": (-np.inf, np.inf)}
+        # a factor beyond is a wrong unit
+        free = {"scale_F": (0.1, 10.0), "offset_U": (-np.inf, np.inf), "offset_F": (-np.inf, np.inf)}
         return np.array([free.get(name) or (LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
 
     def sizes(self) -> Floats:
@@ -107,13 +104,14 @@ class Model:
         return np.array([own.get(name) or abs(self._first(name)) or 1.0 for name in self.free])
 
     def residuals(self, x: Floats) -> Floats:
-        """Residuals (k,) over the noise. Where x has no run: WORSE times the last ones; raises if x is the first."""
+        """Residuals (k,) over the noise. Where x has no run: far larger ones; raises if x is the first."""
         try:
             return self._trial(x).residuals
         except NO_RUN:
             if self.last is None:
                 raise
-            return WORSE * (np.abs(self.last.residuals) + 1.0)
+            # where residuals grow, the optimiser goes back, and a quarter as far
+            return 10.0 * (np.abs(self.last.residuals) + 1.0)
 
     def jacobian(self, x: Floats) -> Floats:
         """Derivatives (k, n) of the residuals by x."""

@@ -25,7 +25,6 @@ from .sweep import add_sweep
 from .verify import add_verify
 
 COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
-CLOSED_PIPE = 141  # exit code, as shells report SIGPIPE
 COMMANDS = (
     add_run,
     add_sweep,
@@ -63,7 +62,8 @@ def process() -> int:
             sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left to write has no reader
-        return CLOSED_PIPE
+        # as shells report SIGPIPE
+        return 141
 
 
 class Parser(argparse.ArgumentParser):

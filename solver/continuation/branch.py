@@ -14,7 +14,7 @@ import numpy as np
 from .anderson import dot
 from .fold import FoldOptions, fold_near
 from .onset import mixed, onset
-from .state import MOVED, TINY, End, Point, State
+from .state import MOVED, ORDER, TINY, End, Point, State
 from .trace import lagrange
 
 # With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches
@@ -26,29 +26,19 @@ SEARCH = FoldOptions(accuracy=3e-3, products=100)
 class BranchOptions:
     """Of the continuation. A "unit" is the problem's `unit`; distances of states are the largest of any unknown."""
 
-    # of the polynomial that extrapolates in the load; 3 takes 2 % more evaluations on the scenes of
-    # tests/bench/constants.py, and leads to the same slips
-    order: int = 5
     # units: a corrected state farther than this from its prediction may have skipped a short slip, so the increment is
     # repeated by arc length; also the first step of the arc
     short: float = 0.1
     long: float = 0.3  # units, longest step of the arc: from longer ones folds of the slider box were passed unseen
-    shortest: float = 1e-4  # units, shortest step; the branch is lost where even that fails
     # Largest ratio of a step to the last one. A point farther than this many steps away is rejected: it lies on another
     # branch
     growth: float = 3.0
-    points: int = 400  # most points of one increment on the arc; the longest in the slider box takes some 60
-    beyond: float = 0.1  # of the last step, by which a state at the load asked for may lie beyond the newest point
-    # most points on the arc towards the load asked for; 3 and 12 change no run of tests/bench/constants.py
-    approaches: int = 6
     # load per arc below which a state is continued by arc length and a fold is looked for a step ahead; at the onset of
     # stick-slip the branch turns back within a tenth of a unit, and larger steps pass that
     steep: float = 0.3
-    fold: FoldOptions = SEARCH
 
 
 BRANCH = BranchOptions()
-ONE = 1e-12  # of the largest arc: points closer than that are one, to round-off
 
 
 def continue_branch(corrector, judge, state, target, options: BranchOptions = BRANCH) -> State | End:
@@ -59,8 +49,8 @@ def continue_branch(corrector, judge, state, target, options: BranchOptions = BR
 
 def _by_load(corrector, judge, state, target, options):
     """The State at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
-    unit, past = corrector.problem.unit, state.past[: options.order + 1]
-    guess = lagrange([load for load, _ in past], target) @ np.array([u for _, u in past])
+    unit, past = corrector.problem.unit, state.past
+    guess = mixed(lagrange([load for load, _ in past], target), past).v
     if np.abs(guess - state.v).max() > MOVED * unit:
         return None
     solution = corrector.solve(guess, target, state.secants)
@@ -72,16 +62,13 @@ def _by_load(corrector, judge, state, target, options):
     if len(past) > 1 and np.abs(solution.v - guess).max() > options.short * unit:
         return None
     mode = judge.accept(corrector.problem, solution.v, state.mode)
-    return _on_branch(corrector, state, solution, mode, state.past, options.order) if mode.rests else None
+    return _on_branch(corrector, state, solution, mode, state.past) if mode.rests else None
 
 
-def _on_branch(corrector, state, solution, mode, past, order):
-    """The State of a Solution that follows `state` on its branch, after the points `past`, newest first.
-
-    order: of the extrapolation for which it keeps points.
-    """
+def _on_branch(corrector, state, solution, mode, past):
+    """The State of a Solution that follows `state` on its branch, after the points `past`, newest first."""
     v, load, residual = solution
-    past = [Point(load, v), *[p for p in past if p[0] != load][: order + 1]]
+    past = [Point(load, v), *[p for p in past if p[0] != load][:ORDER]]
     return State(load, v, past, state.secants, corrector.sharp, mode, residual=residual)
 
 
@@ -99,9 +86,9 @@ class _Arc:
         step = options.short * unit
         if fold := self._fold_ahead(points):  # the first step might pass it
             return self._at_fold(fold, points)
-        for _ in range(options.points):
+        for _ in range(400):  # the longest increment of the slider box takes some 60 points
             last = np.abs(points[0].v - points[1].v).max()
-            if last == 0.0 or step < options.shortest * unit:
+            if last == 0.0 or step < 1e-4 * unit:
                 return self._lost()
             chord, arcs = _on_chord(points)
             step = min(step, options.growth * last)
@@ -143,7 +130,7 @@ class _Arc:
         """The Point with <chord, v> = arc, extrapolated from the last three; None where that fails."""
         points = points[:3]
         arcs = [dot(chord, v) for _, v in points]
-        if np.abs(np.diff(sorted(arcs))).min() <= ONE * max(map(abs, arcs)):
+        if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # to round-off, two points are one
             return None
         guess = mixed(lagrange(arcs, arc), points)
         solution = self.corrector.solve(guess.v, guess.load, self.state.secants, chord, arc)
@@ -161,14 +148,14 @@ class _Arc:
 
         fold: the load of the newest point, if that is a fold.
         """
-        target, options = self.target, self.options
-        for _ in range(options.approaches):
+        target = self.target
+        for _ in range(6):  # more points on the arc change no run
             last, before = points[:2]
             part = (target - before.load) / (last.load - before.load)
             solution = self.corrector.solve(before.v + part * (last.v - before.v), target, self.state.secants)
             chord, arcs = _on_chord(points)
-            # farther beyond the newest point it may be a state past a fold, on the unstable branch
-            if solution and dot(chord, solution.v) <= arcs[0] + options.beyond * (arcs[0] - arcs[1]):
+            # more than a tenth of the step beyond the newest point it may be past a fold, on the unstable branch
+            if solution and dot(chord, solution.v) <= arcs[0] + 0.1 * (arcs[0] - arcs[1]):
                 break
             point = self._point_at(chord, arcs[1] + part * (arcs[0] - arcs[1]), points)
             if point is None:
@@ -180,7 +167,7 @@ class _Arc:
         if not mode.rests:
             return self._end(points, Point(target, solution.v), mode, fold)
         below = [p for p in points if p.load < target]
-        return _on_branch(self.corrector, self.state, solution, mode, below, options.order)
+        return _on_branch(self.corrector, self.state, solution, mode, below)
 
     # ends
 
@@ -213,7 +200,7 @@ class _Arc:
         chord, arcs = _on_chord(points)
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
         for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
-            fold = fold_near(self.problem, End(load, v, last.v - before.v), self.options.fold)
+            fold = fold_near(self.problem, End(load, v, last.v - before.v), SEARCH)
             if fold is None or not arcs[-1] < dot(chord, fold.v) < arcs[0]:
                 continue
             if fold.load >= before.load - self.problem.tolerance:  # a point at the fold has an error of its own
@@ -238,7 +225,7 @@ class _Arc:
         load, step = last.load + 0.5 * bend * top**2, last.v - before.v
         if top > longest or load > self.target:
             return None
-        fold = fold_near(self.problem, End(load, last.v + step * (top / way), step), self.options.fold)
+        fold = fold_near(self.problem, End(load, last.v + step * (top / way), step), SEARCH)
         if fold is None or fold.load < last.load or (fold.v - last.v) @ step < 0.0:
             return None
         return fold if np.abs(fold.v - last.v).max() <= longest else None

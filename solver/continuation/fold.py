@@ -13,22 +13,18 @@ import numpy as np
 
 from .inverse import PRODUCTS, NotSolved, Solves
 from .problem import Problem
-from .state import TINY, End
+from .state import SHARP, TINY, End
 
 
 @dataclass(frozen=True)
 class FoldOptions:
     """How a fold is searched for; a "unit" is the problem's `unit`. The state is also solved to `problem.tolerance`."""
 
-    load: float = 1e-9  # units, last Newton step of the load: the accuracy asked for
+    load: float = SHARP  # units, last Newton step of the load
     state: float = 3e-5  # units, last step of the state: its square is the error of the load
     # of the linear solves: a step leaves that part of the error. 1e-3 takes as many evaluations, in fewer steps
     accuracy: float = 1e-2
     alike: float = 0.05  # units from where the matrix was formed, within which it serves: steps then gain a digit
-    slow: float = 0.3  # of the last step, beyond which the next one shows that the matrix no longer serves
-    longest: float = 0.3  # units, of one step; from longer ones punches reached the folds of other branches
-    farthest: float = 1.5  # units from the guess: beyond, it is another fold
-    steps: int = 15  # most Newton steps; folds that exist took 10 at most in the slider box
     products: int = PRODUCTS  # most products of iterative solves with one matrix, before it is factorised
 
 
@@ -79,7 +75,7 @@ def _search(problem, guess, options):
     if phi is None:
         phi = problem.direction  # near a fold, solves with the bordered matrix turn it
     matrix, slow, last = None, False, (np.inf, np.inf)
-    for _ in range(options.steps):
+    for _ in range(15):  # folds that exist took 10 steps at most in the slider box
         worst = problem.residual(v, load, r)
         sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
         if matrix is not None and sharp and worst <= problem.tolerance:
@@ -90,10 +86,11 @@ def _search(problem, guess, options):
         else:
             phi, g = matrix.turned(problem.linearised(v), phi)
         dv, ds = _step(problem, matrix, phi, g, r)
-        slow, last = np.abs(dv).max() > options.slow * last[1], (abs(ds), np.abs(dv).max())
-        part = min(1.0, options.longest * unit / max(last[1], TINY))
+        slow, last = np.abs(dv).max() > 0.3 * last[1], (abs(ds), np.abs(dv).max())  # the matrix serves no longer
+        # from longer steps punches reached the folds of other branches
+        part = min(1.0, 0.3 * unit / max(last[1], TINY))
         v, load = v + part * dv, load + part * ds
-        if not np.abs(v - guess.v).max() <= options.farthest * unit:  # nan fails it too
+        if not np.abs(v - guess.v).max() <= 1.5 * unit:  # beyond, it is another fold; nan fails it too
             return None
     return None
 

@@ -12,11 +12,6 @@ ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that har
 # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
 PRODUCTS = 240
 ROOM = 16  # pairs at first, as many as most searches need: memory for all, never touched, took half of a search's time
-# of the accuracy asked for, up to which an iterated solve serves: a digit is worth less than factors. 5 and 20 change
-# no run of tests/bench/constants.py
-LAX = 10.0
-# of a vector's length, its part orthogonal to others up to which it depends on them: round-off leaves it six digits
-DEPENDENT = 1e-10
 
 
 class Inverse:
@@ -81,7 +76,7 @@ class Solves:
             if (size := np.linalg.norm(r)) > wanted:
                 more, r = self._inverse(transposed, f.size).reduced(r, wanted / size)
                 x = x + more
-            if np.linalg.norm(r) <= LAX * wanted:
+            if np.linalg.norm(r) <= 10.0 * wanted:  # a digit is worth less than factors
                 return x, r
             self._lu = self._factors()
         x = lu_solve(self._lu, f, trans=int(transposed), check_finite=False)
@@ -131,7 +126,7 @@ def orthonormalise(rows, count, q, others, z) -> bool:
         rest = np.sqrt(dot(q, q))
         if rest > 0.5 * last:  # little was subtracted, so that its round-off is negligible; else once more is enough
             break
-    if not rest > DEPENDENT * before or count == rows.shape[0]:
+    if not rest > 1e-10 * before or count == rows.shape[0]:
         return False
     for i in range(q.size):
         rows[count, i] = q[i] / rest

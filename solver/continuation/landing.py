@@ -4,7 +4,6 @@ Where a node passes a barrier, and from flutter, the time step and the start of 
 motions with others must agree; if they do not, the slip is `sensitive`.
 """
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -12,26 +11,6 @@ import numpy as np
 from .state import End, NotConverged
 from .transient import TRANSIENT, TooLong, Transient, Trial
 
-
-@dataclass(frozen=True)
-class LandingOptions:
-    """When motions are repeated, and compared. A "unit" is the problem's `unit`."""
-
-    # sites: beyond, a node has passed more than one barrier, and errors of its energy add up. Of 222 first slips
-    # (tests/bench/landings.py) 13 went wrong at the usual step, 12 of them beyond this; 0.6 takes up to 54 % more
-    # evaluations (tests/bench/constants.py)
-    barrier: float = 1.2
-    far: float = 5.0  # sites beyond which two further motions must agree: one of 30 such slips needed that
-    # sites beyond which a node has passed a barrier. If the motion stalled on the way, details decide whether it does
-    half: float = 0.5
-    same: float = 0.05  # units within which two states are one equilibrium: at another site, a node is a unit off
-    # units; a slip is sensitive where its load had to rise by more before the surface came to rest. The state reached
-    # may then lie on another branch, or farther along the same one. Values of 0.1 and 0.4 change no slip of
-    # tests/bench/constants.py
-    raised: float = 0.2
-
-
-LANDING = LandingOptions()
 USUAL = Trial()
 HALF = Trial(2.0)  # over one barrier: half of the usual step
 # Over several barriers. The first one differs in the step alone: of two that start elsewhere, too, both may be wrong
@@ -43,7 +22,7 @@ FARTHER = Trial(nearer=0.2)
 DISTURBED = Trial(nearer=5.0, kick=1e-3)
 
 
-def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions = LANDING) -> End:
+def motion_to_rest(problem, end, judge, damping, closed) -> End:
     """An End with the State `after` in which the motion from it comes to rest, and whether that is `sensitive`.
 
     The state's load is that of the End or, if the motion does not rest there, the next at which it does. damping: over
@@ -52,19 +31,19 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     motion = partial(_moved, problem, end, judge=judge, damping=damping, closed=closed)
     state, stalled = motion(USUAL)
     slip = end._replace(after=state)
-    if end.sensitive or _wandered(problem, end, slip.after, options):
+    if end.sensitive or _wandered(problem, end, slip.after):
         return slip._replace(sensitive=True)
     starts = (FARTHER,) * (end.kind == "flutter") + (DISTURBED,) * problem.alike(end.v)
-    finer, agreeing = _finer(problem.sites(end.v, state.v), stalled, options)
+    finer, agreeing = _finer(problem.sites(end.v, state.v), stalled)
     may_change = not starts  # where the start matters, any disagreement is one too many
     for trial in starts:
-        if not _same(problem, slip.after, _tried(motion, problem, end, trial, options), options):
+        if not _same(problem, slip.after, _tried(motion, problem, end, trial)):
             return slip._replace(sensitive=True)
     for trial in finer:
         if not agreeing:
             break
-        state = _tried(motion, problem, end, trial, options)
-        if _same(problem, slip.after, state, options):
+        state = _tried(motion, problem, end, trial)
+        if _same(problem, slip.after, state):
             agreeing -= 1
         elif not may_change:
             return slip._replace(sensitive=True)
@@ -73,38 +52,45 @@ def motion_to_rest(problem, end, judge, damping, closed, options: LandingOptions
     return slip._replace(sensitive=agreeing > 0)
 
 
-def _finer(sites, stalled, options):
-    """(trials with finer steps, how many of them must agree) for a slip by so many sites, on which it stalled."""
-    if sites <= options.half or (sites <= options.barrier and not stalled):
+def _finer(sites, stalled):
+    """(trials with finer steps, how many of them must agree) for a slip by so many sites, on which it stalled.
+
+    Beyond half a site a node has passed a barrier: if the motion stalled there, details decide whether it does. Beyond
+    1.2 sites it has passed several, and errors of its energy add up.
+    """
+    # of 222 first slips (tests/bench/landings.py) 13 went wrong at the usual step, 12 of them beyond 1.2 sites; a bound
+    # of 0.6 takes up to 54 % more evaluations
+    if sites <= 0.5 or (sites <= 1.2 and not stalled):
         return (), 0
-    if sites <= options.barrier:
+    if sites <= 1.2:
         return (HALF, *FINE), 1
-    return FINE, 1 if sites < options.far else 2
+    return FINE, 1 if sites < 5.0 else 2  # one of 30 slips beyond 5 sites needed two
 
 
-def _tried(motion, problem, end, trial, options):
+def _tried(motion, problem, end, trial):
     """The State in which a motion comes to rest; None where it does not, or where it wanders before."""
     try:
         state, _ = motion(trial)
     except NotConverged:
         return None
-    return None if _wandered(problem, end, state, options) else state
+    return None if _wandered(problem, end, state) else state
 
 
-def _wandered(problem, end, state, options):
-    """True if the load rose by more than `raised` before the surface came to rest.
+def _wandered(problem, end, state):
+    """Whether the load rose by more than 0.2 units before the surface came to rest.
 
-    Then the motion does not determine the equilibrium.
+    Then the motion does not determine the equilibrium, nor how far along its branch the surface comes.
     """
-    return state.load > end.load + options.raised * problem.unit
+    return state.load > end.load + 0.2 * problem.unit
 
 
-def _same(problem, state, other, options):
+def _same(problem, state, other):
     """Whether two States are one equilibrium. Between their loads the branch may have moved it, as in `slipped`."""
     if other is None:
         return False
     rise = abs(other.load - state.load)
-    return bool(np.abs(other.v - state.v).max() <= options.same * problem.unit + 2.0 * rise)
+    # at another site, a node is a unit off
+    return bool(np.abs(other.v - state.v).max() <= 0.05 * problem.unit + 2.0 * rise)
 
 
 def _moved(problem, end, trial, **how):

@@ -33,15 +33,9 @@ class MotionOptions:
     # largest stiffness of the interface, over that where steps become unstable: until the next check it may stiffen by
     # two thirds. 0.3 takes 3 % more evaluations
     safe: float = 0.6
-    # powers of two by which the interface may soften before steps adapt to it, as adapting changes the energy. 1 to 4
-    # take the same number of evaluations, to 1 %
-    idle: int = 2
-    explicit: float = 0.5  # of the longest stable explicit step: until the next check the interface may stiffen
-    creep: float = 0.25  # overdamped step, over the time in which a closed node relaxes; 0.125 takes 3 % more steps
 
 
 MOTION = MotionOptions()
-ROUND_OFF = 1e-14  # of two eigenvalues, a difference that round-off makes
 
 
 class Motion:
@@ -67,7 +61,7 @@ class Motion:
         pace: factor of the usual steps.
         """
         power = ceil(log2(max(stiffness, self.least * self.closed) / self.options.safe)), pace
-        if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= self.options.idle:
+        if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= 2:
             return  # frequent changes would add energy
         if power not in self._tables:
             self._tables[power] = self._of_stiffness(*power)
@@ -124,7 +118,7 @@ class ExplicitMotion(Motion):
 
     def _of_stiffness(self, power, pace):
         stiffest = self._stiffest() + 2.0**power * self.options.safe
-        step = pace * self.options.explicit * 2.0 / sqrt(stiffest)
+        step = pace / sqrt(stiffest)  # half of the longest stable one: until the next check the interface may stiffen
         return self._newmark(step, np.ones_like)
 
 
@@ -135,7 +129,7 @@ class Creep(Motion):
 
     def _of_stiffness(self, power, pace):
         k, sigma = self.dynamics.stiffness, 2.0**power
-        step = pace * self.options.creep / sigma
+        step = 0.25 * pace / sigma  # over the time in which a closed node relaxes; 0.125 takes 3 % more steps
         mass = of_blocks(k, lambda x: np.full_like(x, step**-2))
         return mass, np.zeros_like(k), of_blocks(k, lambda x: step / (1.0 + step * (x + sigma))), step
 
@@ -150,7 +144,7 @@ def of_blocks(k, function) -> np.ndarray:
     radius = np.hypot(half, k[2])
     above, below = function(mean + radius), function(mean - radius)
     with np.errstate(invalid="ignore", divide="ignore"):
-        slope = np.where(radius > ROUND_OFF * np.abs(mean), 0.5 * (above - below) / radius, 0.0)
+        slope = np.where(radius > 1e-14 * np.abs(mean), 0.5 * (above - below) / radius, 0.0)
     middle = 0.5 * (above + below)
     return np.array([middle + slope * half, middle - slope * half, slope * k[2]])
 

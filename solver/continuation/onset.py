@@ -6,16 +6,7 @@ import numpy as np
 
 from .anderson import dot
 from .rest import Mode
-from .state import TINY, End, Point
-
-SHARP = 1e-9  # units, error of the load at the end: the accuracy asked for
-# of the interval, the least part that a step leaves at either side, so that both sides move; half and twice change no
-# run of tests/bench/constants.py
-LEAST = 1e-3
-# cosine between a mode and the way of the state, below which they are orthogonal: round-off of symmetric problems makes
-# 1e-5, and an inaccurate mode 2e-3
-SYMMETRIC = 1e-2
-HALVINGS = 60  # halving a step of 0.3 units down to SHARP takes 28
+from .state import SHARP, TINY, End, Point
 
 
 class _Side(NamedTuple):
@@ -45,7 +36,8 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     end = _narrowed(corrector, judged, state, stable, unstable)
     x, way = end.mode.x, after.v - older[0].v
     along = float(dot(x, way) / max(dot(x, x) * dot(way, way), TINY) ** 0.5)
-    symmetric = end.mode.kind == "bifurcation" and abs(along) < SYMMETRIC and not corrector.problem.alike(end.point.v)
+    # the mode and the way are orthogonal; round-off of symmetric problems makes 1e-5, and an inaccurate mode 2e-3
+    symmetric = end.mode.kind == "bifurcation" and abs(along) < 1e-2 and not corrector.problem.alike(end.point.v)
     # the surface leaves the way that the state moves; where both ways are equal, as the rule of `Linearised.seen` says
     phi = x * np.copysign(1.0 / max(np.abs(x).max(), TINY), 1.0 if symmetric else along)
     return End(end.point.load, end.point.v, phi, end.mode.kind, sensitive=symmetric)
@@ -54,11 +46,11 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
 def _narrowed(corrector, judged, state, stable, unstable):
     """The unstable _Side of the end, SHARP beyond it, by regula falsi in its Illinois variant."""
     low, high, last = stable.mode.growth, unstable.mode.growth, None  # an end that stays twice counts half
-    for _ in range(HALVINGS):
+    for _ in range(60):  # halving a step of 0.3 units down to SHARP takes 28
         width = unstable.point.load - stable.point.load
         if width <= SHARP * corrector.problem.unit or low == high:
             break
-        part = min(max(low / (low - high), LEAST), 1.0 - LEAST)
+        part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)  # so that both sides move
         guess = mixed((part, 1.0 - part), (unstable.point, stable.point))
         solution = corrector.solve(guess.v, guess.load, state.secants)
         if solution is None:

@@ -8,8 +8,6 @@ from .landing import motion_to_rest
 from .rest import REST, Judge, RestOptions
 from .state import End, Increment, NotConverged, State, slipped
 
-SLIPS = 100  # most slips of an increment; soft layers that jump into contact make some ten
-
 
 class QuasiStatic:
     """Advances States of one `problem` along its load; keeps only scratch between calls."""
@@ -22,7 +20,7 @@ class QuasiStatic:
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""
         slips = list[End]()
-        while len(slips) <= SLIPS:
+        while len(slips) <= 100:  # soft layers that jump into contact make some ten
             reached = self._judged(state) if state.unsure else state
             if isinstance(reached, State):
                 reached = self._continued(reached, target)
@@ -37,7 +35,7 @@ class QuasiStatic:
             else:
                 state = reached
             return Increment(state, tuple(slips))
-        raise NotConverged(f"more than {SLIPS} slips in one increment, residual {state.residual:.2g} nm")
+        raise NotConverged(f"more than 100 slips in one increment, residual {state.residual:.2g} nm")
 
     def _continued(self, state, target):
         """The State at load `target` on the branch of `state`, or the End before it."""

@@ -35,11 +35,7 @@ class RestOptions:
     # 30 in the runs of tests/bench/constants.py
     most: int = 60
     dense_waves: int = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
-    radius: float = 20.0  # |mu| below which a mode counts as near zero; pairs of flutter form at 5 to 20
     kept: int = 4  # vectors from which the next search starts: two complex pairs
-    # residual of a mode near zero, over its distance from growing, up to which it counts as known. A larger residual
-    # proves nothing: at 2, a held load took over in an unstable state
-    sure: float = 1.0
     fine: float = 1e-8  # error of a growth where an end is located
     # growth rates below -clear count as safely stable; none is below -0.5. 0.25 was too lax: on a soft layer (E = 10)
     # flutter began between two searches
@@ -108,7 +104,7 @@ class Judge:
         if small or (linearised.size <= options.dense_waves and self.damping < linearised.safe_damping()):
             return _dense(linearised, friction)
         inverse = Inverse(linearised.tangent, problem.size)
-        radius = options.radius * 0.25 * critical**2
+        radius = 5.0 * critical**2  # 20 k_min: pairs of flutter form at 5 to 20 of it
         search = _Search(linearised, inverse, friction, radius, self._scale(problem), fine, options)
         return search.mode(v, last.basis if last else ())
 
@@ -240,7 +236,7 @@ class _Search:
 
     def _known(self, pairs):
         """Whether the growth is known well enough."""
-        sure = pairs.doubt.max() < self.options.sure
+        sure = pairs.doubt.max() < 1.0  # a residual larger than the distance from growing proves nothing
         clear = sure and pairs.growth < -self.options.clear * self.scale
         decided = not self.fine and (sure or pairs.growth > pairs.error)
         return clear or decided or pairs.error < self.options.fine * self.scale
@@ -248,7 +244,7 @@ class _Search:
     def _aims(self, pairs):
         """The pairs whose residuals extend the space."""
         worst = int(np.argmax(pairs.doubt))
-        if pairs.doubt[worst] < self.options.sure or pairs.depth[pairs.fastest] <= 0.0:
+        if pairs.doubt[worst] < 1.0 or pairs.depth[pairs.fastest] <= 0.0:
             return {pairs.fastest}
         return {worst, pairs.fastest} if self.fine else {worst}
 

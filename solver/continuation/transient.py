@@ -22,8 +22,6 @@ class TransientOptions:
 
     steps: int = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
     start: float = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
-    # times `start`, the distance from the end of the branch within which the motion counts as starting
-    left: float = 4.0
     # factor of the usual steps while the motion starts and moves less than a quarter of `crawl` between two checks.
     # Without that limit one slip in a thousand ended in another equilibrium
     slow: float = 3.0
@@ -31,32 +29,14 @@ class TransientOptions:
     # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
     finer: tuple = (1, 2, 4, 16)
     # units between two checks: in the overdamped limit steps are halved where a state moves more. They are doubled,
-    # up to `crawl_longest` times the usual, where it moves less than a quarter of that
+    # up to 256 times the usual, where it moves less than a quarter of that
     crawl: float = 0.08
-    crawl_longest: float = 256.0
     # units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
     # motion
     landing: float = 0.03
-    # Factor of that after Anderson steps that failed. 0.15 and 0.6 lead to the same equilibria, with up to 5 % fewer
-    # evaluations (tests/bench/constants.py)
-    later: float = 0.3
     # Used in place of `landing` while the motion starts. There the residual is small anyway: about half the curvature
     # times the distance squared
     near: float = 1e-4
-    # periods of the slowest mode, over its decay in units of the critical one, after which a motion is restless: by
-    # then the mode has decayed by exp(-16 pi). Without that factor, a strongly damped fall under a soft drive had no
-    # time to come to rest
-    patience: float = 8.0
-    # steps of a restless motion, at least: half of what the slowest slip of the slider box takes. In the overdamped
-    # limit, where surfaces come to rest more slowly, ten times as many
-    least: int = 4000
-    # share of the rise since the end of the branch by which each check of the usual steps raises the load of a restless
-    # motion. At the onset oscillations grow slowly: with five times as much, motions with finer steps lost a surface
-    # that plain GFMD brings to rest within 0.005 nm of load
-    raised: float = 2e-3
-    # units, the largest rise of a check, and ten times the least; with more, surfaces slide on and on
-    raised_most: float = 1e-3
-    farthest: float = 5.0  # units by which the load may be raised
     # most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
     # layers that detach
     budget: int = 250_000
@@ -64,10 +44,10 @@ class TransientOptions:
     # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
     stalled: float = 0.3
     stalls: int = 50  # most states kept for that; so many mean that it has stalled
-    diverged: float = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
 
 TRANSIENT = TransientOptions()
+DIVERGED = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
 
 class Trial(NamedTuple):
@@ -117,7 +97,7 @@ class Transient:
                 state = self._rest_near()
                 if state is not None and not self._returned(state.v):
                     return state, self._stalled(state)
-                self.sharper *= self.options.later
+                self.sharper *= 0.3
             returned = self.starting and unrest < self.problem.tolerance
             if returned or self._restless():
                 self._raise_load(returned)
@@ -127,7 +107,7 @@ class Transient:
         motion, options, dynamics = self.motion, self.options, self.motion.dynamics
         # surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(self.v), dynamics.interface(self.v + self.ahead))
-        if not stiffness < options.diverged * motion.closed:
+        if not stiffness < DIVERGED * motion.closed:
             raise TooLong("the motion diverges")
         if self.steps > options.budget:
             raise NotConverged(f"still moving, residual {self._residual():.2g} nm, after {options.budget} steps")
@@ -136,7 +116,7 @@ class Transient:
         motion.advance(options.steps)
         self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
         before, self.v = self.v, dynamics.unknowns(motion.y)
-        if not np.abs(self.v).max() < options.diverged * self.unit:  # nan fails it too
+        if not np.abs(self.v).max() < DIVERGED * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
         self._note_stall(before, np.abs(self.ahead).max() / (options.steps * motion.time))
@@ -165,7 +145,7 @@ class Transient:
         elif moved > options.crawl:
             self.pace = max(0.5 * self.pace, 1.0)
         elif slowly and self.steps:
-            self.pace = min(2.0 * self.pace, options.crawl_longest)
+            self.pace = min(2.0 * self.pace, 256.0)
 
     def _unrest(self, bound):
         """The larger of swing and residual, nm; the swing alone, which needs no force evaluation, beyond a bound."""
@@ -177,9 +157,8 @@ class Transient:
         return self.problem.residual(self.v, self.load, np.empty(self.v.size))
 
     def _near_end(self, v):
-        """Whether v is still close to the end of the branch."""
-        left = self.options.left * self.options.start * self.unit
-        return self.end.located and bool(np.abs(v - self.end.v).max() < left)
+        """Whether v is still close to the end of the branch: within four times the distance of the start."""
+        return self.end.located and bool(np.abs(v - self.end.v).max() < 4.0 * self.options.start * self.unit)
 
     def _returned(self, v):
         """Whether v is the end of the branch or lies before it: less than half-way to the start of the motion."""
@@ -201,14 +180,18 @@ class Transient:
         return State.at_rest(self.load, solution.v, **solved)
 
     def _restless(self):
-        """Whether the motion has lasted so long that it may never rest."""
+        """Whether the motion has lasted so long that it may never rest.
+
+        4,000 steps are half of what the slowest slip of the slider box takes. In the overdamped limit surfaces come to
+        rest more slowly.
+        """
         if not isfinite(self.damping):
-            return self.steps > 10 * self.options.least
+            return self.steps > 40_000
         slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
         period = 4.0 * np.pi / (self.motion.dynamics.critical * slow)
-        # from an unstable state the surface falls as exp(growth t)
-        patience = self.options.patience * (period + 1.0 / self.end.growth)
-        return self.steps > self.options.least and self.elapsed > patience
+        # after eight periods the mode has decayed by exp(-16 pi); from an unstable state the surface falls as
+        # exp(growth t)
+        return self.steps > 4_000 and self.elapsed > 8.0 * (period + 1.0 / self.end.growth)
 
     def _raise_load(self, returned):
         """Raise the load where the motion does not rest, or where it `returned`: the branch goes on a little farther.
@@ -218,9 +201,11 @@ class Transient:
         """
         if not returned and self.trial.finer < 4 and self.end.kind != "flutter":
             raise TooLong("the motion does not come to rest")
-        options, most = self.options, self.options.raised_most * self.unit
-        share = min(max(0.1 * most, options.raised * (self.load - self.end.load)), most)
+        # each check of the usual steps raises the load by 2e-3 of the rise so far. At the onset oscillations grow
+        # slowly: with five times as much, motions with finer steps lost a surface that plain GFMD brings to rest within
+        # 0.005 nm of load. With more than 1e-3 units in a check, surfaces slide on and on
+        share = min(max(1e-4 * self.unit, 2e-3 * (self.load - self.end.load)), 1e-3 * self.unit)
         self.load += share / self.trial.finer if self.end.kind == "flutter" else share
-        if self.load > self.end.load + options.farthest * self.unit:
+        if self.load > self.end.load + 5.0 * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
         self.sharper, self.motion.load = 1.0, self.load

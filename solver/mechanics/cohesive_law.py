@@ -20,9 +20,6 @@ DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count
 REMOTEST = 60.0
 OPENING = {"np1": 0.0, "xu-needleman": 1.0}  # c in the factor 1 + c dn of T_x
 FARTHEST = 700.0  # argument of exp, beyond which a number of double precision is out of range soon
-TANGENTS_ALIKE = (
-    1e-7  # difference of tangents between nodes, over the largest, up to which they are alike: round-off is 1e-13
-)
 WORK = 10  # rows of the scratch array `work`
 
 _fast = {"contract", "nsz", "arcp"}  # sums are not reordered, and NaN stays NaN
@@ -142,8 +139,8 @@ def add_product(J, w, out) -> None:
 
 
 def alike(tangents) -> bool:
-    """Whether all nodes have the same tangents, (4, m) as of `tangents`, to TANGENTS_ALIKE of the largest."""
-    return bool(np.ptp(tangents, axis=1).max() <= TANGENTS_ALIKE * np.abs(tangents).max())
+    """Whether all nodes have the same tangents, (4, m) as of `tangents`, to 1e-7 of the largest: round-off is 1e-13."""
+    return bool(np.ptp(tangents, axis=1).max() <= 1e-7 * np.abs(tangents).max())
 
 
 def traction(scene, ux, gap) -> np.ndarray:

@@ -7,7 +7,6 @@ from .cohesive_law import traction
 from .layer import Convolution, Modes
 
 REACH = 25.0  # delta_n: farther apart, a spring pulls with less than 25 exp(-25) = 3.5e-10 of phi_n/delta_n
-PLACES = 65  # over a spacing, where the largest friction is looked for: its error is 1e-3
 
 
 class Contact:
@@ -89,7 +88,7 @@ def patch(scene) -> tuple[int, int]:
     """
     _, zz, xz = Modes.of(scene).kernels
     p = -traction(scene, 0.0, scene.delta_n)[1]
-    q = traction(scene, np.linspace(0.0, scene.spacing, PLACES), 0.0)[0].max()
+    q = traction(scene, np.linspace(0.0, scene.spacing, 65), 0.0)[0].max()  # its error is 1e-3
     drawn = (p * np.abs(zz).sum() + q * np.abs(xz).sum()) * (2.0 if scene.hold == "load" else 1.0)
     sinks = -np.minimum(zz, 0.0).sum() / np.maximum(zz, 0.0).sum()
     lifted = max(scene.deepest + drawn, 0.0)

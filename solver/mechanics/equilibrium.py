@@ -15,8 +15,6 @@ from ..continuation.state import PulledOff
 from .linearised import Linearised
 from .surface import Surface
 
-NODES_ALIKE = 1e-5  # units between nodes that count as alike: what the solves of followed states leave
-
 
 class Equilibrium:
     """The Contact driven along a Loading; attributes as of `continuation.problem.Problem`.
@@ -106,9 +104,9 @@ class Equilibrium:
         return float(np.abs((w - v)[: self.nodes]).max()) / self.contact.scene.spacing
 
     def alike(self, v) -> bool:
-        """Whether all nodes are alike in v, to NODES_ALIKE."""
+        """Whether all nodes are alike in v, to 1e-5 units, which the solves of followed states leave."""
         flat = self.contact.scene.surface == "flat"
-        return flat and bool(np.ptp(self.surface(v), axis=1).max() <= NODES_ALIKE * self.unit)
+        return flat and bool(np.ptp(self.surface(v), axis=1).max() <= 1e-5 * self.unit)
 
     def linearised(self, v) -> Linearised:
         """The Linearised at an equilibrium."""

@@ -15,10 +15,6 @@ from .layer import Modes
 WIDTH = 0.6  # of the averaging Gaussian, times 1/q; with 0.3 the result rises by 7 %, with 1.2 it falls by 11 %
 WIDER = 1.5  # growth of the variance from one level of averaging to the next; with 2 the result changes by 2 %
 FINER = 1.19  # ratio of one wavenumber to the next, four to an octave; with 1.02 the result rises by 1.6 %
-THIN = 4.0  # variance, in spacings squared, beyond which every second place suffices; 16 changes the result by 0.4 %
-FIRST = 0.25  # variance of the first average, in spacings squared: half a spacing wide, it is hardly one
-# places below which averages widen no more: a pass takes in three, and round the ends they would be the same ones
-FEWEST = 6
 MARGIN = 1.1  # factor of the result: of 6237 dense spectra one exceeds the estimate by 8 %
 
 
@@ -50,14 +46,15 @@ def safe_friction(tangents, stiffness, nodes) -> float:
     start = (field.shape[1] - m) // 2
     field[:, start : start + m] = tangents
     longest = WIDTH * nodes / (2.0 * np.pi)  # WIDTH/q of the cell's longest wave, in spacings
-    worst, variance, wider, apart = 0.0, 0.0, FIRST, 1
+    worst, variance, wider, apart = 0.0, 0.0, 0.25, 1  # the first average is half a spacing wide
     while True:
-        lowest = int(longest / np.sqrt(wider)) + 1 if field.shape[1] >= FEWEST else 0
+        # a pass takes in three places: of fewer than six, averages widen no more
+        lowest = int(longest / np.sqrt(wider)) + 1 if field.shape[1] >= 6 else 0
         worst = max(worst, _largest(field, stiffness, lowest, highest, FINER))
         highest = lowest - 1
         if highest < 0:
             return MARGIN * float(np.sqrt(worst))
-        while variance > THIN * apart**2:
+        while variance > 4.0 * apart**2:  # every second place suffices; 16 changes the result by 0.4 %
             field, apart = np.ascontiguousarray(field[:, ::2]), 2 * apart
         more = (wider - variance) / apart**2
         passes = int(np.ceil(2.0 * more))  # of a variance of 1/2 at most: weights 1/4, 1/2, 1/4

@@ -13,8 +13,6 @@ from .cohesive_law import add_product, alike
 from .flutter import safe_friction
 
 FORMED = 1200  # nodes up to which a tangent is formed; for more, iterative solves take less time
-LEVEL = 1e-2  # sum of heights of a disturbance, over that of its displacements along x, below which it only tilts
-BESIDE = 1e-3  # units along a disturbance, for the change of J: the error is the square, round-off 1e-13
 
 
 class Linearised:
@@ -82,7 +80,7 @@ class Linearised:
     def slopes(self, right, left) -> np.ndarray:
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
         way = right[: 2 * self.m].reshape(2, -1)
-        h = BESIDE * self.surface.problem.unit / max(np.abs(way).max(), TINY)
+        h = 1e-3 * self.surface.problem.unit / max(np.abs(way).max(), TINY)  # its error is the square, round-off 1e-13
         change = self.contact.tangents(self.u + h * way)
         change -= self.contact.tangents(self.u - h * way)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
@@ -118,7 +116,7 @@ class Linearised:
         """
         field = x.reshape(2, -1)
         along, up = field[:, self.surface.patch].sum(axis=1)
-        turned = up > 0.0 if abs(up) > LEVEL * abs(along) else along < 0.0
+        turned = up > 0.0 if abs(up) > 1e-2 * abs(along) else along < 0.0  # else it only tilts
         return self._unknowns(-field if turned else field)
 
     def _unknowns(self, field):

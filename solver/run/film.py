@@ -6,11 +6,10 @@ from math import inf
 import numpy as np
 
 from ..continuation.state import State
+from ..continuation.trace import SAME_STATE
 from ..scene import Scene
 from .frame import Frame, frame_of
 from .loadpath import ALL, Checkpoint, Run, deadline
-
-APART = 0.01  # units between states of a motion that are kept: a hundred to a site
 
 
 def through(scene: Scene, checkpoint: Checkpoint, most: int = 60, limit: float = inf) -> tuple[list[Frame], Frame]:
@@ -44,7 +43,7 @@ class Camera:
             self.reels.append([])
             self._y = y
         v, reel = surface.unknowns(y), self.reels[-1]
-        if not reel or np.abs(v - reel[-1][1]).max() > APART * surface.problem.unit:
+        if not reel or np.abs(v - reel[-1][1]).max() > SAME_STATE * surface.problem.unit:
             reel.append((surface.problem, v, load))
 
     def film(self, problem, slip) -> list[tuple]:

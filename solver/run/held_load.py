@@ -8,10 +8,6 @@ from ..scene import LIMITS, Scene, SceneError
 from ..schema import as_number
 from .loadpath import load_path
 
-SAME_INDENTATION = 1e-9  # of delta_0, to which the indentation is found: the load changes by some 1e-7 N/m over it
-SAME_LOAD = 1e-6  # of the load, or N/m if it is below 1: farther from it, the load jumps over the one asked for
-DEEPEST = 0.999  # of the thickness of the layer, through which nothing can be pressed
-
 
 def held_at(scene: Scene, load: float) -> Scene:
     """The Scene that holds a normal load (N/m) during the shear: hold 'load', at the indentation that reaches it.
@@ -22,7 +18,7 @@ def held_at(scene: Scene, load: float) -> Scene:
     wanted = as_number(load)
     if not abs(wanted) < float("inf"):
         raise SceneError("load", load, "allowed: a finite number of N/m, negative for a pull", "give such a number")
-    most = min(LIMITS["delta_bar"].high, DEEPEST * scene.height * scene.width / scene.delta_0)
+    most = min(LIMITS["delta_bar"].high, 0.999 * scene.height * scene.width / scene.delta_0)
     # `hold` and drive_n are checked by the last line
     approach, before, least, frame = replace(scene, path="shear", hold="delta", u_x_max=0.0), None, 0.0, None
     for frame in load_path(approach.changed(delta_bar=most)):
@@ -38,8 +34,9 @@ def held_at(scene: Scene, load: float) -> Scene:
         *_, last = (each for each in load_path(approach.changed(delta_bar=delta_bar)) if each.stage == "approach")
         return last.L - wanted
 
-    delta_bar = brentq(off, *ends, xtol=SAME_INDENTATION)
-    if abs(off(delta_bar)) > SAME_LOAD * max(1.0, abs(wanted)):
+    # over 1e-9 of delta_0 the load changes by some 1e-7 N/m, unless it jumps over the one asked for
+    delta_bar = brentq(off, *ends, xtol=1e-9)
+    if abs(off(delta_bar)) > 1e-6 * max(1.0, abs(wanted)):
         jump = f"the approach jumps from {before.L:.4g} to {frame.L:.4g} N/m at delta_bar = {delta_bar:.4g}"
         raise SceneError("load", load, jump, "give a load outside that jump")
     return scene.changed(delta_bar=delta_bar, hold="load")

@@ -30,7 +30,6 @@ FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion defor
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
 DRIVEN = RestOptions(far=0.0)
-BUSY = 10.0  # s beyond its limit of processor time that an increment may take, as other processes may need the cores
 
 
 class Checkpoint(NamedTuple):
@@ -78,8 +77,11 @@ def until(
             return
 
 
-def deadline(limit: float, busy: float = BUSY) -> Callable[..., None] | None:
-    """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock."""
+def deadline(limit: float, busy: float = 10.0) -> Callable[..., None] | None:
+    """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock.
+
+    Other processes may need the cores.
+    """
     if limit == inf:
         return None
     end, latest = thread_time() + limit, perf_counter() + limit + busy

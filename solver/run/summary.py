@@ -1,6 +1,6 @@
 """What Frames show: a run in a few numbers, and the surface away from the contact."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import e
 from typing import Any
 
@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from ..mechanics.layer import Convolution, Modes
 from .frame import Frame, SlipEvent, largest_safe_damping, slides_in
 from .load_steps import ROUND_OFF, load_steps_of
-
-ADHERES = 1e-3  # of the peak adhesive traction phi_n / (e delta_n): weaker attraction does not count as contact
 
 
 def whole_surface(frame: Frame) -> NDArray[np.float64]:
@@ -56,11 +54,14 @@ def curves_of(frames: Sequence[Frame]) -> dict[str, list[Any]]:
 
 
 def widest(frames: Sequence[Frame]) -> float:
-    """The largest distance of the outermost nodes of a Frame that repel, or adhere to ADHERES of the peak, over w."""
+    """The largest distance of the outermost nodes of a Frame that repel, or adhere noticeably, over w.
+
+    They adhere with more than 1e-3 of the peak, phi_n/(e delta_n).
+    """
     widths = [0.0]
     for frame in frames:
         scene, T_z = frame.scene, frame.T[1]
-        acting = np.flatnonzero((T_z > 0.0) | (T_z < -ADHERES * scene.phi_n / (e * scene.delta_n)))
+        acting = np.flatnonzero((T_z > 0.0) | (T_z < -1e-3 * scene.phi_n / (e * scene.delta_n)))
         widths += [(acting[-1] - acting[0] + 1) / scene.nodes] if acting.size else []
     return float(max(widths))
 
@@ -92,6 +93,11 @@ def kind_of(frame: Frame, event: SlipEvent) -> str:
     return "pull-off" if apart else event.kind
 
 
+def first_slip(frames: Iterable[Frame]) -> tuple[Frame, SlipEvent] | None:
+    """The first slip of a stage that moves U_x, and its Frame; None without one. It takes no Frame after that."""
+    return next(((frame, event) for frame in frames for event in slides_in(frame)), None)
+
+
 def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
     """Describes a run in a few numbers, as `run --json` writes them.
 
@@ -106,7 +112,8 @@ def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
     """
     least = least_force(frames)
     events = [values_of(f, event, least) for f in frames for event in f.slips]
-    first: dict[str, Any] = next((values_of(f, e, least) for f in frames for e in slides_in(f)), {})
+    found = first_slip(frames)
+    first: dict[str, Any] = values_of(*found, least) if found else {}
     after = [f for f in frames if f.stage != "approach"]
     summary = {
         "converged": _converged(frames),

@@ -15,8 +15,8 @@ from app.service.worker import Part
 from solver import CHOICES, Scene, toughness
 from solver.files import plain
 from solver.mechanics import cohesive_law
-from solver.results import first_slip
 from solver.scene import PARAMETERS
+from solver.sweeps import row_of
 
 APP = Path(pages.__file__).parents[1]
 LONGEST = 120  # characters of a line, as ruff holds for Python
@@ -71,7 +71,7 @@ def test_sweep_of_the_press_depth_publishes_a_point_per_slip_and_ends_with_the_p
     calls[5].set_result("no equilibrium")
     page = session.pages.page.published
     assert page["swept"] == [{"scene": plain({name: getattr(scene, name) for name in PARAMETERS}), **result}]
-    expected = first_slip(scene)
+    expected = row_of(scene)
     assert [result[name] for name in "UFL"] == [expected[name] for name in ("U_s (nm)", "F_s (N/m)", "L_s (N/m)")]
     assert page["texts"]["load-why"] == "Not computed at δ/δ₀ = 0.2: no equilibrium"
     order(session, "page", page="")

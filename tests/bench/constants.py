@@ -16,15 +16,12 @@ import numpy as np
 from scenes import cells, options, ran, scene_of, slider_box, write
 
 from solver import Scene, continuation
-from solver.continuation import anderson, branch, inverse, onset, state
-from solver.mechanics import equilibrium
+from solver.continuation import anderson, branch, state
 from solver.run import loadpath
 
 SMALL = {"nodes": 512, "width": 1250.0, "radius": 5.0, "u_x_max": 20.0}
 PLAIN = {  # constants outside of records, and the modules that have imported them
-    "REGULARISATION": [anderson], "FORGET": [anderson], "MOVED": [state, branch],
-    "FREE": [loadpath],
-    "NODES_ALIKE": [equilibrium], "LAX": [inverse], "DEPENDENT": [inverse], "LEAST": [onset],
+    "REGULARISATION": [anderson], "FORGET": [anderson], "MOVED": [state, branch], "FREE": [loadpath],
 }  # fmt: skip
 
 

@@ -86,7 +86,7 @@ def test_verify_rejects_other_files_in_one_line(tmp_path, capsys, content, words
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"method": "foo"}, "method 'foo'; allowed: fast, gfmd; use the version that wrote the file"),
+        ({"method": "foo"}, "method foo; allowed: fast, gfmd; use the version that wrote it"),
         ({"scene": []}, "not a run"),
         ({"events": [1]}, "not a run"),
         ({"F_s": "large"}, "not a run"),

@@ -22,7 +22,6 @@ REGIMES = (
     "detaches",
 )
 NO_RESULT, NEVER_TOUCHES, STICKS, SMOOTH, IN_PART, ONE_SITE, MORE_SITES, DETACHES = REGIMES
-LOST = 0.1  # node spacings; of less peeled area no share is given: edges are interpolated to some hundredths
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,8 @@ def at_slip(start: Frame, before: Frame, after: Frame, event: SlipEvent) -> dict
         "A_0": start.A,
         "asymmetry": None if np.isnan(asymmetry) else asymmetry,
         "sites": sites,
-        "reattached": max(0.0, after.A_bar - event.A_bar) / lost if lost > LOST / start.scene.nodes else None,
+        # of peeled area below a tenth of a spacing no share is given: edges are interpolated to some hundredths
+        "reattached": max(0.0, after.A_bar - event.A_bar) / lost if lost > 0.1 / start.scene.nodes else None,
     }
 
 

@@ -15,10 +15,6 @@ from ...scene import Scene
 from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton, touches
 
 LATER = 2  # slips after the first, while the run does not repeat itself: of sliding runs, 3 in 4 repeat after one, and
-# nearly all others after two or three
-# nm, within which a skeleton must agree with its run on the first slip: both are right to some 1e-5 nm, and other slips
-# lie lattice periods away
-SAME_SLIP = 1e-3
 EVALUATIONS = 300_000  # force evaluations, a hundred times those of the default: beyond, a point is given up
 
 
@@ -81,7 +77,9 @@ def _at_slip(sheared, k, skeleton):
     """Fields of a Point from a run with its first slip in Frame `k`; the numbers are those of the run."""
     event, before, after = slips_in(sheared[k])[0], sheared[max(0, k - 1)], sheared[k]
     end = next(iter(slips_in(skeleton)), None) if skeleton else None
-    if end and abs(end.load - event.load) < SAME_SLIP:  # states just before and after it, rather than some du_x away
+    # nearly all others after two or three nm, within which a skeleton must agree with its run on the first slip: both
+    # are right to some 1e-5 nm, and other slips lie lattice periods away
+    if end and abs(end.load - event.load) < 1e-3:  # states just before and after it, rather than some du_x away
         before, after = skeleton.frames([end.load, np.nextafter(end.load, np.inf)])
     branches = len(skeleton.branches) if skeleton else 0
     return at_slip(sheared[0], before, after, event) | {"branches": branches}

@@ -1,0 +1,64 @@
+"""The first slips of many scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from .continuation.state import NotConverged
+from .isolated import outcomes
+from .results import FIRST, first_of
+from .run.loadpath import load_path
+from .run.summary import first_slip
+from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+
+if TYPE_CHECKING:  # `import solver` needs numerics only
+    import pandas as pd
+
+
+def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any]) -> pd.DataFrame:
+    """Computes the first slip for every combination of parameter values.
+
+    Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
+    Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm),
+    and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
+    Raises ValueError for a name that is no parameter, or values that are no list; SceneError for a value outside its
+    range, and for one that path 'points' does not use.
+
+    With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
+
+    Example: `sweep(delta_bar=[0.0, 0.2], phi_ratio=[0.5, 1.0])`
+    """
+    import pandas as pd
+
+    combinations, scenes = _swept(scene or Scene(), values)
+    found = dict(outcomes(row_of, scenes, workers) if workers > 1 else enumerate(map(row_of, scenes)))
+    rows = [row if isinstance(row, dict) else {"outcome": f"not computed: {row}"} for _, row in sorted(found.items())]
+    rows = [given | row for given, row in zip(combinations, rows, strict=True)]
+    return pd.DataFrame(rows, columns=[*values, *FIRST, "outcome"])
+
+
+def _swept(scene, values):
+    """(the combinations of {name: values}, the Scene of each); raises as `sweep`."""
+    for name, listed in values.items():
+        if name not in PARAMETERS:
+            raise ValueError(f"{name} is no parameter of a Scene; allowed: {', '.join(PARAMETERS)}")
+        if isinstance(listed, str) or not isinstance(listed, Iterable):
+            raise ValueError(f"{name} = {listed!r}: allowed: a list of values; write {name}=[{listed!r}]")
+    combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
+    scenes = [scene.changed(**combination) for combination in combinations]
+    for name in SET_BY_POINTS:
+        if name in values and any(each.legs for each in scenes):
+            why = "not used with path 'points', whose points set it"
+            raise SceneError(name, values[name], why, "sweep points instead")
+    return combinations, scenes
+
+
+def row_of(scene: Scene) -> dict[str, Any]:
+    """The first slip of a scene as a row of `sweep`; the run ends there."""
+    try:
+        found = first_slip(load_path(scene))
+    except NotConverged as failure:
+        return {"outcome": str(failure)}
+    return dict(zip(FIRST, first_of(*found), strict=True)) | {"outcome": "slips"} if found else {"outcome": "no slip"}
