@@ -1,7 +1,6 @@
 """A report, written once: as text for a terminal, and as an HTML page without server or network."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from html import escape
 from os import PathLike
 from pathlib import Path
@@ -29,41 +28,34 @@ class Section(NamedTuple):
     figures: Callable[[], list[Any]] = list  # of Bokeh
 
 
-@dataclass(frozen=True)
-class Document:
-    """Sections under a title."""
+def text(title: str, sections: Sequence[Section]) -> str:
+    """All but the figures, in lines."""
+    parts = [title]
+    for section in sections:
+        table = [] if section.table is None else [section.table.to_string(index=False, justify="left")]
+        parts += ["", *filter(None, [section.title]), *table, *section.lines]
+    return "\n".join(parts)
 
-    title: str
-    sections: Sequence[Section]
 
-    def text(self) -> str:
-        """All but the figures, in lines."""
-        parts = [self.title]
-        for section in self.sections:
-            table = [] if section.table is None else [section.table.to_string(index=False, justify="left")]
-            parts += ["", *filter(None, [section.title]), *table, *section.lines]
-        return "\n".join(parts)
+def write_page(file: str | PathLike[str], title: str, sections: Sequence[Section]) -> None:
+    """Write the page; raises OSError."""
+    from bokeh.embed import components  # `run` does not need it
+    from bokeh.layouts import row
+    from bokeh.settings import settings
 
-    def write_page(self, file: str | PathLike[str]) -> None:
-        """Write the page; raises OSError."""
-        from bokeh.embed import components  # `run` does not need it
-        from bokeh.layouts import row
-        from bokeh.settings import settings
-
-        # INLINE would add the widgets and the resources that other packages of this process have registered
-        library = (Path(settings.bokehjs_path()) / "js" / "bokeh.min.js").read_text(encoding="utf-8")
-        drawn = [section.figures() for section in self.sections]
-        script, divisions = components([row(figures) for figures in drawn if figures])
-        division, body = iter(divisions), []
-        for section, figures in zip(self.sections, drawn, strict=True):
-            table = "" if section.table is None else section.table.to_html(index=False, border=0)
-            lines = "".join(f"<p>{escape(line)}</p>\n" for line in section.lines)
-            heading = f"<h2>{escape(section.title)}</h2>\n" if section.title else ""
-            body.append(f"{heading}{next(division) if figures else ''}{table}{lines}")
-        title = escape(self.title)
-        page = (
-            f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>\n'
-            f"<style>{CSS}</style><script>{library}</script></head>\n"
-            f"<body><h1>{title}</h1>\n{''.join(body)}\n{script}</body></html>\n"
-        )
-        Path(file).write_text(page, encoding="utf-8")
+    # INLINE would add the widgets and the resources that other packages of this process have registered
+    library = (Path(settings.bokehjs_path()) / "js" / "bokeh.min.js").read_text(encoding="utf-8")
+    drawn = [section.figures() for section in sections]
+    script, divisions = components([row(figures) for figures in drawn if figures])
+    division, body = iter(divisions), []
+    for section, figures in zip(sections, drawn, strict=True):
+        table = "" if section.table is None else section.table.to_html(index=False, border=0)
+        lines = "".join(f"<p>{escape(line)}</p>\n" for line in section.lines)
+        heading = f"<h2>{escape(section.title)}</h2>\n" if section.title else ""
+        body.append(f"{heading}{next(division) if figures else ''}{table}{lines}")
+    page = (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>\n'
+        f"<style>{CSS}</style><script>{library}</script></head>\n"
+        f"<body><h1>{escape(title)}</h1>\n{''.join(body)}\n{script}</body></html>\n"
+    )
+    Path(file).write_text(page, encoding="utf-8")

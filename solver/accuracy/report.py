@@ -9,7 +9,7 @@ from ..cautions import flutter
 from ..scene import LIMITS
 from ..text import changes
 from .compare import QUANTITIES, Point
-from .document import Document, Section
+from .document import Section
 from .measure import FULL, QUICK, SWEEPS, Report
 
 ERRORS: dict[str, tuple[str, Callable]] = {  # sweep: name of the error that its diagrams show, and its value
@@ -118,8 +118,8 @@ def notes(report: Report) -> list[str]:
     ]
 
 
-def document(report: Report) -> Document:
-    """The whole report for people."""
+def document(report: Report) -> tuple[str, list[Section]]:
+    """The whole report for people: its title and sections."""
     from pandas import DataFrame  # takes longer to import than the solver
 
     swept = [
@@ -132,7 +132,7 @@ def document(report: Report) -> Document:
         for sweep in filter(report.of, SWEEPS)
     ]
     origin = Section(command(report), lines=[*notes(report), *failures(report)])
-    return Document(f"Error against run time: {title(report)}", [*swept, origin, Section("", lines=[sentence(report)])])
+    return f"Error against run time: {title(report)}", [*swept, origin, Section("", lines=[sentence(report)])]
 
 
 def _diagrams(report, sweep):

@@ -20,7 +20,7 @@ from ..tables import Source
 from .measurement import JUMP, Measurement, read_measurement
 from .partial import DRIVE, continuous
 from .prediction import AHEAD
-from .trial import AXES, NO_RUN, Model, TimeUp, Trial
+from .trial import AXES, NO_RUN, Model, Trial
 
 APART = 0.99  # correlation beyond which parameters count as one: each has 7 times the error it has alone
 FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
@@ -121,7 +121,7 @@ def _optimum(model, limit):
         if trial is None:
             raise
         return Optimum(model, trial, f"no exact run confirms these values: {error}".rstrip("."))
-    except TimeUp:
+    except TimeoutError:
         trial = model.best or trial
         if trial is None:
             raise OutOfTime(f"no trial was computed within {limit:g} s; allow more, or raise E") from None

@@ -40,20 +40,21 @@ def continuous(scene: Scene) -> tuple[str, ...]:
 class Change:
     """The change by a parameter: the Scenes on both sides of its value, `span` apart, and what they change.
 
-    profiles: of both, (2, nodes) nm, or None where the law is the same; compliance: the change of C per unit,
-    (3, nodes//2 + 1) nm/GPa as of `layer.Modes`, or None.
+    part: the nodes of the patch; profiles: of both Scenes on it, (2, m) nm, or None where the law is the same.
+    compliance: the change of C per unit, (3, nodes//2 + 1) nm/GPa as of `layer.Modes`, or None.
     """
 
     name: str
     low: Scene
     high: Scene
     span: float
+    part: slice
     profiles: np.ndarray | None
     compliance: np.ndarray | None
 
     @staticmethod
-    def of(scene: Scene, name: str) -> "Change":
-        """The Change by one of the `continuous` parameters; raises SceneError."""
+    def of(scene: Scene, name: str, part: slice) -> "Change":
+        """The Change by one of the `continuous` parameters, on the nodes `part`; raises SceneError."""
         value = getattr(scene, name)
         size = abs(value) or min(1.0, LIMITS[name].high)
         # at the end of a range truncation is of first order, and as large as round-off at 1e-7: both are some 1e-8
@@ -63,55 +64,44 @@ class Change:
             except SceneError:
                 continue
             span = getattr(high, name) - getattr(low, name)
-            profiles = None if name in NOT_OF_THE_LAW else np.array([low.profile, high.profile])
+            profiles = None if name in NOT_OF_THE_LAW else np.array([low.profile[part], high.profile[part]])
             change = (Modes.of(high).compliance - Modes.of(low).compliance) / span if name in LAYER else None
-            return Change(name, low, high, span, profiles, change)
+            return Change(name, low, high, span, part, profiles, change)
         raise SceneError(name, value, "allowed: a value with others beside it", "change it a little")
 
     def by(self, quantity: Callable[[Scene], Any]) -> Any:
         """The derivative of quantity(Scene), a number or an array."""
         return (quantity(self.high) - quantity(self.low)) / self.span
 
-    def law(self, kernel: Callable[..., Floats], rows: int, at: "States") -> Floats:
-        """The derivative of the law (`cohesive_law.traction` or `.tangent`) at nodes of k `States`, (k, rows, m)."""
+    def law(self, kernel: Callable[..., Floats], rows: int, u: Floats) -> Floats:
+        """The derivative of the law (`cohesive_law.traction` or `.tangent`), (k, rows, m), at u (k, 2, m), nm."""
         if self.profiles is None:
-            return np.zeros((len(at.x), rows, at.x.shape[1]))
-        low, high = self.profiles[:, None, at.first : at.first + at.x.shape[1]] + at.z
-        change = kernel(self.high, at.x, high) - kernel(self.low, at.x, low)
+            return np.zeros((len(u), rows, u.shape[2]))
+        x, z = u.swapaxes(0, 1)
+        low, high = self.profiles[:, None] + z
+        change = kernel(self.high, x, high) - kernel(self.low, x, low)
         return (change / self.span).swapaxes(0, 1)
 
-    def complied(self, pulled: "Pulled") -> Floats | float:
-        """dC T on the patch, (k, 2, m) nm per unit, of Pulled tractions T; 0.0 where C does not change."""
+    def complied(self, spectra: NDArray[np.complex128]) -> Floats | float:
+        """dC T on the patch, (k, 2, m) nm per unit, of the `spectra` of tractions; 0.0 where C does not change."""
         if self.compliance is None:
             return 0.0
-        spectra = pulled.spectra.copy()
+        spectra = spectra.copy()
         for spectrum in spectra:
             multiply(spectrum, self.compliance)
-        return np.fft.irfft(spectra, self.low.nodes)[..., pulled.nodes]
+        return np.fft.irfft(spectra, self.low.nodes)[..., self.part]
 
-    def traction(self, at: "States") -> Floats:
-        """dT (k, 2, m), GPa per unit, at fixed displacements of k `States`."""
-        return self.law(cohesive_law.traction, 2, at)
+    def traction(self, u: Floats) -> Floats:
+        """dT (k, 2, m), GPa per unit, at fixed displacements u (k, 2, m), nm."""
+        return self.law(cohesive_law.traction, 2, u)
 
-    def stiffness(self, at: "States") -> Floats:
-        """dJ (k, 4, m), GPa/nm per unit, at fixed displacements of k `States`."""
-        return self.law(cohesive_law.tangent, 4, at)
-
-
-class States:
-    """x, z (k, m) nm and tractions T (k, 2, m) GPa of k states on the patch from node `first` on."""
-
-    def __init__(self, linearised, T, first):
-        """linearised: k Linearised of the states."""
-        self.first, self.T = first, np.array(T)
-        self.x, self.z = np.array([each.u for each in linearised]).swapaxes(0, 1)
+    def stiffness(self, u: Floats) -> Floats:
+        """dJ (k, 4, m), GPa/nm per unit, at fixed displacements u (k, 2, m), nm."""
+        return self.law(cohesive_law.tangent, 4, u)
 
 
-class Pulled:
-    """Tractions T (k, 2, m) GPa on the patch from node `first` of a Contact on; their spectra over the cell."""
-
-    def __init__(self, T, first, contact):
-        self.nodes = slice(first, first + T.shape[-1])
-        whole = np.zeros((*T.shape[:2], contact.scene.nodes))
-        whole[..., self.nodes] = T
-        self.spectra = np.fft.rfft(whole)
+def spectra(T: Floats, part: slice, nodes: int) -> NDArray[np.complex128]:
+    """Spectra over a cell of so many nodes of tractions T (k, 2, m), GPa, on its patch `part`."""
+    whole = np.zeros((*T.shape[:2], nodes))
+    whole[..., part] = T
+    return np.fft.rfft(whole)

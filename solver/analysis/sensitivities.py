@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..continuation.fold import Bordered, FoldOptions, fold_near
-from ..continuation.inverse import NotSolved, Solves
+from ..continuation.inverse import Solves
 from ..continuation.trace import Branch
 from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
@@ -31,7 +31,7 @@ from ..scene import LIMITS, Scene
 from ..schema import unknown_name
 from ..threads import one_thread
 from .outputs import explicit, gradients, over_own
-from .partial import Change, Pulled, States, continuous
+from .partial import Change, continuous, spectra
 
 Floats = NDArray[np.float64]
 RESIDUAL = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
@@ -113,7 +113,7 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
             raise unknown_name(name, allowed)
     try:
         return _sensitivities(skeleton, _Differentiator(skeleton, names), branches)
-    except NotSolved as failure:
+    except np.linalg.LinAlgError as failure:
         raise NotFollowed(str(failure)) from None
 
 
@@ -175,7 +175,9 @@ class _Differentiator:
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)
         self.problem = Equilibrium(self.contact, sideways(1.0, -scene.delta)).solved_to(RESIDUAL)
         loose = scene.changed(tolerance=LIMITS["tolerance"].high)  # without effect on Changes, but not on valid scenes
-        self.changes = [Change.of(loose, name) for name in (continuous(scene) if names is None else names)]
+        self.changes = [
+            Change.of(loose, name, self.contact.part) for name in (continuous(scene) if names is None else names)
+        ]
         self.pressure_by = np.zeros(len(self.changes))
         self.pressure_nodes = np.zeros(skeleton.nodes)  # by the strength of each node of the patch
         if held is not None:
@@ -213,16 +215,16 @@ class _Differentiator:
 
     def by_parameters(self, states) -> list[tuple[Floats, Floats]]:
         """[(T_p (k, 2, m), r_p (k, size))] by every parameter, at k _States."""
-        at = States([state.linearised for state in states], [state.T for state in states], self.first)
-        out, pulled = [], Pulled(at.T, self.first, self.contact)
+        u, T = np.array([state.linearised.u for state in states]), np.array([state.T for state in states])
+        out, pulled = [], spectra(T, self.contact.part, self.scene.nodes)
         for change, dp in zip(self.changes, self.pressure_by, strict=True):
-            r_p = np.zeros_like(at.T) + change.complied(pulled)
+            r_p = np.zeros_like(T) + change.complied(pulled)
             if not self.held:
                 r_p[:, 1] -= change.by(lambda scene: scene.delta)
             r_p = r_p.reshape(len(states), -1)
             if self.held:
                 r_p = np.append(r_p, np.full((len(states), 1), -self.problem.scale * dp), axis=1)
-            out.append((change.traction(at), r_p))
+            out.append((change.traction(u), r_p))
         return out
 
     def branch(self, branch, start, fold) -> BranchSensitivity:
@@ -269,11 +271,11 @@ class _Differentiator:
         y = G_T + np.array([linearised.by_traction(each) for each in x])
         bent, left = linearised.pull(at.phi), linearised.by_traction(at.psi)  # J phi and C^T psi
         speed = at.psi @ problem.direction
-        states, bending = States([linearised], [state.T], self.first), Pulled(bent[None], self.first, self.contact)
+        bending = spectra(bent[None], self.contact.part, scene.nodes)
         by = {}
         for change, ((T_p,), (r_p,)) in zip(self.changes, self.by_parameters([state]), strict=True):
             load = -(np.sum(left * T_p) + at.psi @ r_p) / speed
-            (J_p,) = change.stiffness(states)
+            (J_p,) = change.stiffness(linearised.u[None])
             turned = np.sum(left * linearised.pull(at.phi, J_p))  # <psi, R_vp phi>
             turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
             dG = explicit(scene, outputs, change) + (y * T_p).sum(axis=(1, 2)) + x @ r_p - back * turned

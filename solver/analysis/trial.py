@@ -38,10 +38,6 @@ AXES = Axes._fields
 SIZES = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1}
 
 
-class TimeUp(Exception):
-    """The time of a fit is over."""
-
-
 class Trial(NamedTuple):
     """Parameters x (n,), residuals (k,), their derivatives (k, n), and the run they come from.
 
@@ -64,8 +60,8 @@ class Trial(NamedTuple):
 class Model:
     """Residuals and derivatives as functions of the free parameters; each run is continued from the last one.
 
-    scene: values of the other parameters. end: time (perf_counter) after which TimeUp is raised. best: the Trial of
-    least cost since `restart`; runs: trials computed so far.
+    scene: values of the other parameters. end: time (perf_counter) after which TimeoutError is raised. best: the Trial
+    of least cost since `restart`; runs: trials computed so far.
     """
 
     def __init__(self, scene: Scene, measured: Measurement, free: tuple[str, ...], end: float = inf):
@@ -121,7 +117,7 @@ class Model:
         """The Trial of x, and remember it."""
         if self.last is None or not np.array_equal(x, self.last.x):
             if perf_counter() > self.end:
-                raise TimeUp
+                raise TimeoutError
             self.skeleton = self._run(self.scene_of(x))
             self.last = self.trial(x, self.skeleton)
             if self.best is None or self.last.cost < self.best.cost:
@@ -144,13 +140,13 @@ class Model:
         return self.exact(scene)
 
     def exact(self, scene: Scene) -> Skeleton:
-        """The Skeleton of a scene from a run within the time that is left; raises as `skeleton_of`, and TimeUp."""
+        """The Skeleton of a scene from a run within the time left; raises as `skeleton_of`, and TimeoutError."""
         left = self.end - perf_counter()
         try:
             return skeleton_of(scene, min(RUN_LIMIT, left))
         except OutOfTime:
             if left < RUN_LIMIT:
-                raise TimeUp from None
+                raise TimeoutError from None
             raise
 
     def trial(self, x: Floats, skeleton: Skeleton) -> Trial:

@@ -21,6 +21,7 @@ def add_accuracy(commands: Any) -> None:
 
 def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
+    from ..accuracy.document import text, write_page
     from ..accuracy.measure import measure  # imported here because `run` does not need them
     from ..accuracy.report import data, document
 
@@ -34,7 +35,7 @@ def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
             if so_far is not None:
                 report = so_far
     shown = document(report)
-    print(shown.text())
+    print(text(*shown))
     write(arguments.json, write_json, data(report))
-    write(arguments.html, shown.write_page)
+    write(arguments.html, write_page, *shown)
     return 0

@@ -24,6 +24,7 @@ from .run import add_run
 from .sweep import add_sweep
 from .verify import add_verify
 
+CLOSED_PIPE = 141  # exit code, as shells report SIGPIPE
 COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
 COMMANDS = (
     add_run,
@@ -62,8 +63,7 @@ def process() -> int:
             sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left to write has no reader
-        # as shells report SIGPIPE
-        return 141
+        return CLOSED_PIPE
 
 
 class Parser(argparse.ArgumentParser):

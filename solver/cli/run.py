@@ -5,7 +5,7 @@ import sys
 from collections import deque
 from contextlib import suppress
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
@@ -47,7 +47,8 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    frames, failure, code = compute(scene, arguments.method)
+    result, interrupted = compute(scene, arguments.method)
+    frames, failure = result.frames, result.failure
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
     caution(sentence for sentence in report["cautions"] if sentence not in before)
     for note in scene.measured.notes if scene.measured else ():
@@ -56,32 +57,24 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.csv, write_csv, frames)
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
-    write(arguments.html if frames else None, Result(scene, frames, failure).save)
+    write(arguments.html if frames else None, result.save)
     if failure is not None:
         print(failure, file=sys.stderr)
-    return code or (0 if report["converged"] else NOT_CONVERGED)
+    return INTERRUPTED if interrupted else 0 if report["converged"] else NOT_CONVERGED
 
 
-class Computed(NamedTuple):
-    """Frames up to the end or a failure, what failed, and the exit code."""
-
-    frames: list[Frame]
-    failure: str | None = None
-    code: int = 0
-
-
-def compute(scene: Scene, method: str) -> Computed:
-    """Computes the whole load path, up to its end, a failure or an interrupt."""
+def compute(scene: Scene, method: str) -> tuple[Result, bool]:
+    """(the Result of a whole load path up to its end or a failure, whether it was interrupted)."""
     frames: list[Frame] = []
     try:
         for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
             frames.append(frame)
     except NotConverged as error:
-        return Computed(frames, str(error), NOT_CONVERGED)
+        return Result(scene, frames, str(error)), False
     except KeyboardInterrupt:
         position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
-        return Computed(frames, f"Interrupted {position}; run again to finish", INTERRUPTED)
-    return Computed(frames)
+        return Result(scene, frames, f"Interrupted {position}; run again to finish"), True
+    return Result(scene, frames), False
 
 
 def described(report: dict[str, Any], increments: int) -> str:

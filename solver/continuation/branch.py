@@ -7,8 +7,6 @@ Source: Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue 
 Rheinboldt & Burkardt 1983, doi:10.1145/357456.357460.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from .anderson import dot
@@ -22,32 +20,26 @@ from .trace import lagrange
 SEARCH = FoldOptions(accuracy=3e-3, products=100)
 
 
-@dataclass(frozen=True)
-class BranchOptions:
-    """Of the continuation. A "unit" is the problem's `unit`; distances of states are the largest of any unknown."""
-
-    # units: a corrected state farther than this from its prediction may have skipped a short slip, so the increment is
-    # repeated by arc length; also the first step of the arc
-    short: float = 0.1
-    long: float = 0.3  # units, longest step of the arc: from longer ones folds of the slider box were passed unseen
-    # Largest ratio of a step to the last one. A point farther than this many steps away is rejected: it lies on another
-    # branch
-    growth: float = 3.0
-    # load per arc below which a state is continued by arc length and a fold is looked for a step ahead; at the onset of
-    # stick-slip the branch turns back within a tenth of a unit, and larger steps pass that
-    steep: float = 0.3
+# A "unit" is the problem's `unit`; distances of states are the largest of any unknown.
+# Units: a corrected state farther than this from its prediction may have skipped a short slip, so the increment is
+# repeated by arc length; also the first step of the arc.
+SHORT = 0.1
+LONG = 0.3  # units, longest step of the arc: from longer ones folds of the slider box were passed unseen
+# Largest ratio of a step to the last one. A point farther than this many steps away is rejected: it lies on another
+# branch.
+GROWTH = 3.0
+# Load per arc below which a state is continued by arc length and a fold is looked for a step ahead. At the onset of
+# stick-slip the branch turns back within a tenth of a unit, and larger steps pass that.
+STEEP = 0.3
 
 
-BRANCH = BranchOptions()
-
-
-def continue_branch(corrector, judge, state, target, options: BranchOptions = BRANCH) -> State | End:
+def continue_branch(corrector, judge, state, target) -> State | End:
     """The State at load `target`, nm, on the branch of `state`, or the End that comes before it."""
-    reached = _by_load(corrector, judge, state, target, options)
-    return reached or _Arc(corrector, judge, state, target, options).to_target()
+    reached = _by_load(corrector, judge, state, target)
+    return reached or _Arc(corrector, judge, state, target).to_target()
 
 
-def _by_load(corrector, judge, state, target, options):
+def _by_load(corrector, judge, state, target):
     """The State at `target` by extrapolation in the load and Anderson steps, or None if arc length is called for."""
     unit, past = corrector.problem.unit, state.past
     guess = mixed(lagrange([load for load, _ in past], target), past).v
@@ -57,9 +49,9 @@ def _by_load(corrector, judge, state, target, options):
     if solution is None:
         return None
     way = np.abs(solution.v - state.v).max()
-    if way > MOVED * unit or target - state.load < options.steep * way:
+    if way > MOVED * unit or target - state.load < STEEP * way:
         return None
-    if len(past) > 1 and np.abs(solution.v - guess).max() > options.short * unit:
+    if len(past) > 1 and np.abs(solution.v - guess).max() > SHORT * unit:
         return None
     mode = judge.accept(corrector.problem, solution.v, state.mode)
     return _on_branch(corrector, state, solution, mode, state.past) if mode.rests else None
@@ -75,15 +67,15 @@ def _on_branch(corrector, state, solution, mode, past):
 class _Arc:
     """One increment continued by arc length."""
 
-    def __init__(self, corrector, judge, state, target, options):
-        self.corrector, self.problem, self.judge, self.options = corrector, corrector.problem, judge, options
+    def __init__(self, corrector, judge, state, target):
+        self.corrector, self.problem, self.judge = corrector, corrector.problem, judge
         self.state, self.target, self.unit = state, target, corrector.problem.unit
         self.mode = state.mode
 
     def to_target(self):
         """The State at the target, or the End before it."""
-        options, points, unit = self.options, self._two_points(), self.unit
-        step = options.short * unit
+        points, unit = self._two_points(), self.unit
+        step = SHORT * unit
         if fold := self._fold_ahead(points):  # the first step might pass it
             return self._at_fold(fold, points)
         for _ in range(400):  # the longest increment of the slider box takes some 60 points
@@ -91,9 +83,9 @@ class _Arc:
             if last == 0.0 or step < 1e-4 * unit:
                 return self._lost()
             chord, arcs = _on_chord(points)
-            step = min(step, options.growth * last)
+            step = min(step, GROWTH * last)
             point = self._point_at(chord, arcs[0] + (arcs[0] - arcs[1]) * step / last, points)
-            if point is None or not np.abs(point.v - points[0].v).max() <= options.growth * step:
+            if point is None or not np.abs(point.v - points[0].v).max() <= GROWTH * step:
                 step *= 0.5
                 continue
             if reached := self._classify([point, *points[:3]]):
@@ -101,7 +93,7 @@ class _Arc:
             if point.load < points[0].load:  # the fold between was not found: approach it by a shorter step
                 step *= 0.5
             else:
-                step, points = min(2.0 * step, options.long * unit), [point, *points[:3]]
+                step, points = min(2.0 * step, LONG * unit), [point, *points[:3]]
         return self._lost()
 
     def _classify(self, points):
@@ -123,7 +115,7 @@ class _Arc:
         if len(state.past) >= 2:
             return [Point(*p) for p in state.past[:3]]
         along = self.corrector.direction(state)
-        back = self.options.short * self.unit / max(np.abs(along).max(), 1.0)
+        back = SHORT * self.unit / max(np.abs(along).max(), 1.0)
         return [Point(*state.past[0]), Point(state.load - back, state.v - back * along)]
 
     def _point_at(self, chord, arc, points):
@@ -217,11 +209,11 @@ class _Arc:
         last, before, first = points[:3]
         way, way_before = np.abs(last.v - before.v).max(), max(np.abs(before.v - first.v).max(), TINY)
         slope, slope_before = (last.load - before.load) / way, (before.load - first.load) / way_before
-        if not slope < min(self.options.steep, slope_before):
+        if not slope < min(STEEP, slope_before):
             return None
         bend = (slope_before - slope) / (0.5 * (way + way_before))
         top = max(slope / bend - 0.5 * way, 0.0)  # nm of arc to where the slope is zero
-        longest = self.options.long * self.unit
+        longest = LONG * self.unit
         load, step = last.load + 0.5 * bend * top**2, last.v - before.v
         if top > longest or load > self.target:
             return None

@@ -4,7 +4,6 @@ Anderson steps solve it. Where they fail, the inverse of a tangent nearby precon
 Iterations solve with that tangent, and keep their products.
 """
 
-from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
@@ -13,16 +12,8 @@ import numpy as np
 from .anderson import Secants, advance, dot
 from .inverse import Inverse
 
-
-@dataclass(frozen=True)
-class CorrectorOptions:
-    """How an equilibrium is solved for; a "unit" is the problem's `unit`."""
-
-    memory: int = 20  # secant pairs; 40 save 3 % of the evaluations, but double the algebra of a step
-    longest: float = 0.15  # units, largest change of an unknown in one step; longer steps land on other branches
-
-
-CORRECTOR = CorrectorOptions()
+MEMORY = 20  # secant pairs; 40 save 3 % of the evaluations, but double the algebra of a step
+LONGEST = 0.15  # units of the problem, largest change of an unknown in one step; longer ones land on other branches
 
 
 class Solution(NamedTuple):
@@ -39,8 +30,8 @@ class Corrector:
     sharp: v of the equilibrium whose tangent is inverted, or None; a State keeps it for `begin`.
     """
 
-    def __init__(self, problem, options: CorrectorOptions = CORRECTOR):
-        self.problem, self.options = problem, options
+    def __init__(self, problem):
+        self.problem = problem
         self.sharp = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: np.ndarray | None = None  # v of the equilibrium found last
@@ -48,7 +39,7 @@ class Corrector:
 
     def secants(self) -> Secants:
         """Room for secant pairs of this problem."""
-        return Secants(self.options.memory, self.problem.size)
+        return Secants(MEMORY, self.problem.size)
 
     def begin(self, state) -> None:
         """Prepare to go on from a State, with the inverse by which it was reached, if any."""
@@ -110,7 +101,7 @@ class Corrector:
                 slope = dot(chord, response)
                 change = (arc - dot(chord, v) - dot(chord, move)) / slope if slope != 0.0 else 0.0
                 move += change * response
-            change *= advance(v, move, self.options.longest * problem.unit)
+            change *= advance(v, move, LONGEST * problem.unit)
             worst = problem.residual(v, s, r)
             secants.push(v, r, v_before, r_before)
             if chord is not None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .inverse import PRODUCTS, NotSolved, Solves
+from .inverse import PRODUCTS, Solves
 from .problem import Problem
 from .state import SHARP, TINY, End
 
@@ -65,7 +65,7 @@ def fold_near(problem: Problem, guess: End, options: FoldOptions = FoldOptions()
     try:
         with np.errstate(divide="ignore", invalid="ignore"):  # where a null vector vanishes; nan is never accepted
             return _search(problem, guess, options)
-    except (NotSolved, np.linalg.LinAlgError):
+    except np.linalg.LinAlgError:
         return None
 
 

@@ -48,10 +48,6 @@ class Inverse:
         return wider
 
 
-class NotSolved(ArithmeticError):
-    """A linear solve does not converge and is too large for LAPACK."""
-
-
 class Solves:
     """x with M x = f, or M^T x = f: M is dR/dv of a Linearised, bordered by a column and a row (size,) if given.
 
@@ -64,7 +60,7 @@ class Solves:
         self.accuracy, self._most, self._by_iterations = accuracy, most, {}
 
     def __call__(self, f, transposed=False, guess=None, accuracy=None) -> np.ndarray:
-        """x for f; guess: where iterations start; accuracy: in place of the usual one. Raises NotSolved."""
+        """x for f; guess: where iterations start; accuracy: in place of the usual one. Raises LinAlgError."""
         return self.reduced(f, transposed, guess, accuracy)[0]
 
     def reduced(self, f, transposed=False, guess=None, accuracy=None) -> tuple[np.ndarray, np.ndarray]:
@@ -102,7 +98,7 @@ class Solves:
     def _factors(self):
         A = self.linearised.matrix()
         if A is None:
-            raise NotSolved("a linear solve does not converge")
+            raise np.linalg.LinAlgError("a linear solve does not converge, and is too large for LAPACK")
         if self.column is not None:
             A = np.block([[A, self.column[:, None]], [self.row[None], np.zeros((1, 1))]])
         return lu_factor(A, check_finite=False)

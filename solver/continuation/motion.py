@@ -15,27 +15,17 @@ Infinite damping is the overdamped limit of uniform mobility, gamma u' = K (U - 
 Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRevB.99.144103.
 """
 
-from dataclasses import dataclass
 from math import ceil, log2, sqrt
 
 import numpy as np
 from numba import njit
 
-
-@dataclass(frozen=True)
-class MotionOptions:
-    """Time steps of the motion; a "closed" node touches springs in registry, where they are stiffest.
-
-    Measured by tests/bench/constants.py: with half and twice of each, slips land alike.
-    """
-
-    step: float = 0.4  # over period/(2 pi) of a closed node; from 0.5 on, weakly damped slips stop too early
-    # largest stiffness of the interface, over that where steps become unstable: until the next check it may stiffen by
-    # two thirds. 0.3 takes 3 % more evaluations
-    safe: float = 0.6
-
-
-MOTION = MotionOptions()
+# With half and twice of each, slips land alike (tests/bench/constants.py). A "closed" node touches springs in
+# registry, where they are stiffest.
+STEP = 0.4  # over period/(2 pi) of a closed node; from 0.5 on, weakly damped slips stop too early
+# Largest stiffness of the interface, over that where steps become unstable: until the next check it may stiffen by two
+# thirds. 0.3 takes 3 % more evaluations.
+SAFE = 0.6
 
 
 class Motion:
@@ -43,13 +33,13 @@ class Motion:
 
     least = 1.0  # stiffness of the interface, over the closed one, below which steps grow no more
 
-    def __init__(self, dynamics, y, load, damping, closed, options: MotionOptions = MOTION):
-        """closed: stiffness of closed springs (see MotionOptions), GPa/nm; damping: over critical."""
-        self.dynamics, self.y, self.change, self.options = dynamics, y, np.zeros_like(y), options
+    def __init__(self, dynamics, y, load, damping, closed):
+        """closed: stiffness of closed springs (see STEP), GPa/nm; damping: over critical."""
+        self.dynamics, self.y, self.change = dynamics, y, np.zeros_like(y)
         self.closed, self.friction = closed, damping * dynamics.critical
         # shorter below critical damping, where errors of energy decide by how many sites the surface slips. Not longer
         # above it: nodes of the contact still move as fast, and slips of one site landed elsewhere
-        self._step = options.step / sqrt(closed) * min(damping, 1.0)
+        self._step = STEP / sqrt(closed) * min(damping, 1.0)
         self.load = load
         self._power: tuple | None = None
         self._mass, self._starts = None, True
@@ -60,7 +50,7 @@ class Motion:
 
         pace: factor of the usual steps.
         """
-        power = ceil(log2(max(stiffness, self.least * self.closed) / self.options.safe)), pace
+        power = ceil(log2(max(stiffness, self.least * self.closed) / SAFE)), pace
         if self._power is not None and self._power[1] == pace and 0 <= self._power[0] - power[0] <= 2:
             return  # frequent changes would add energy
         if power not in self._tables:
@@ -74,8 +64,8 @@ class Motion:
 
     def _of_stiffness(self, power, pace):
         """(mass / step^2, keep, push, step): the next change is keep change + push force; rows xx, zz, c each."""
-        step, safe = pace * self._step, self.options.safe
-        if 2.0 / 3.0 * self._stiffest() + 2.0**power * safe <= safe * 4.0 / step**2:
+        step = pace * self._step
+        if 2.0 / 3.0 * self._stiffest() + 2.0**power * SAFE <= SAFE * 4.0 / step**2:
             return self._newmark(step, lambda k: 1.0 + step * step / 12.0 * k)
         sigma = max(0.0, 2.0**power - 4.0 / step**2) + self.closed
         return self._newmark(step, lambda k: 1.0 + 0.25 * step * step * (k + sigma))
@@ -117,7 +107,7 @@ class ExplicitMotion(Motion):
     """Verlet steps of unit masses, as in the paper."""
 
     def _of_stiffness(self, power, pace):
-        stiffest = self._stiffest() + 2.0**power * self.options.safe
+        stiffest = self._stiffest() + 2.0**power * SAFE
         step = pace / sqrt(stiffest)  # half of the longest stable one: until the next check the interface may stiffen
         return self._newmark(step, np.ones_like)
 

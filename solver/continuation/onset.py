@@ -1,19 +1,9 @@
 """Where a mode begins to grow: the end of a branch that is no fold, a bifurcation or the onset of flutter."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from .anderson import dot
-from .rest import Mode
-from .state import SHARP, TINY, End, Point
-
-
-class _Side(NamedTuple):
-    """A Point on one side of the end, and its Mode."""
-
-    point: Point
-    mode: Mode
+from .state import SHARP, TINY, End, Point, State
 
 
 def onset(corrector, judge, state, older, after, mode) -> End | None:
@@ -23,9 +13,9 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     """
 
     def judged(point, mode):
-        return _Side(point, judge.rightmost(corrector.problem, point.v, mode))
+        return State.at_rest(*point, mode=judge.rightmost(corrector.problem, point.v, mode))
 
-    unstable = _Side(after, mode)
+    unstable = State.at_rest(*after, mode=mode)
     for point in older:
         stable = judged(point, unstable.mode)
         if stable.mode.growth < 0.0:
@@ -37,21 +27,21 @@ def onset(corrector, judge, state, older, after, mode) -> End | None:
     x, way = end.mode.x, after.v - older[0].v
     along = float(dot(x, way) / max(dot(x, x) * dot(way, way), TINY) ** 0.5)
     # the mode and the way are orthogonal; round-off of symmetric problems makes 1e-5, and an inaccurate mode 2e-3
-    symmetric = end.mode.kind == "bifurcation" and abs(along) < 1e-2 and not corrector.problem.alike(end.point.v)
+    symmetric = end.mode.kind == "bifurcation" and abs(along) < 1e-2 and not corrector.problem.alike(end.v)
     # the surface leaves the way that the state moves; where both ways are equal, as the rule of `Linearised.seen` says
     phi = x * np.copysign(1.0 / max(np.abs(x).max(), TINY), 1.0 if symmetric else along)
-    return End(end.point.load, end.point.v, phi, end.mode.kind, sensitive=symmetric)
+    return End(end.load, end.v, phi, end.mode.kind, sensitive=symmetric)
 
 
 def _narrowed(corrector, judged, state, stable, unstable):
-    """The unstable _Side of the end, SHARP beyond it, by regula falsi in its Illinois variant."""
+    """The unstable State at the end, SHARP beyond it, by regula falsi in its Illinois variant."""
     low, high, last = stable.mode.growth, unstable.mode.growth, None  # an end that stays twice counts half
     for _ in range(60):  # halving a step of 0.3 units down to SHARP takes 28
-        width = unstable.point.load - stable.point.load
+        width = unstable.load - stable.load
         if width <= SHARP * corrector.problem.unit or low == high:
             break
         part = min(max(low / (low - high), 1e-3), 1.0 - 1e-3)  # so that both sides move
-        guess = mixed((part, 1.0 - part), (unstable.point, stable.point))
+        guess = mixed((part, 1.0 - part), (unstable, stable))
         solution = corrector.solve(guess.v, guess.load, state.secants)
         if solution is None:
             break
@@ -66,6 +56,6 @@ def _narrowed(corrector, judged, state, stable, unstable):
 
 
 def mixed(weights, points) -> Point:
-    """The combination of Points with these weights: a guess, not a solution."""
+    """The combination of Points or States with these weights: a guess, not a solution."""
     weights = np.asarray(weights)
-    return Point(float(weights @ [load for load, _ in points]), weights @ np.array([v for _, v in points]))
+    return Point(float(weights @ [load for load, *_ in points]), weights @ np.array([v for _, v, *_ in points]))

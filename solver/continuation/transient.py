@@ -5,48 +5,40 @@ equilibrium. Where it does not come to rest, the load rises slowly. `landing` de
 the time step or on the start.
 """
 
-from dataclasses import dataclass
 from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from .corrector import CORRECTOR, Corrector
+from .corrector import LONGEST, Corrector
 from .motion import Creep, Motion
 from .state import NotConverged, Restless, State
 
-
-@dataclass(frozen=True)
-class TransientOptions:
-    """How the motion of a slip is followed and ended; a "unit" is the problem's `unit`."""
-
-    steps: int = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
-    start: float = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
-    # factor of the usual steps while the motion starts and moves less than a quarter of `crawl` between two checks.
-    # Without that limit one slip in a thousand ended in another equilibrium
-    slow: float = 3.0
-    # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
-    # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
-    finer: tuple = (1, 2, 4, 16)
-    # units between two checks: in the overdamped limit steps are halved where a state moves more. They are doubled,
-    # up to 256 times the usual, where it moves less than a quarter of that
-    crawl: float = 0.08
-    # units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
-    # motion
-    landing: float = 0.03
-    # Used in place of `landing` while the motion starts. There the residual is small anyway: about half the curvature
-    # times the distance squared
-    near: float = 1e-4
-    # most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
-    # layers that detach
-    budget: int = 250_000
-    # units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
-    # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
-    stalled: float = 0.3
-    stalls: int = 50  # most states kept for that; so many mean that it has stalled
-
-
-TRANSIENT = TransientOptions()
+# A "unit" is the problem's `unit`.
+STEPS = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
+START = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
+# factor of the usual steps while the motion starts and moves less than a quarter of CRAWL between two checks.
+# Without that limit one slip in a thousand ended in another equilibrium
+SLOW = 3.0
+# divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
+# serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
+FINER = (1, 2, 4, 16)
+# units between two checks: in the overdamped limit steps are halved where a state moves more. They are doubled,
+# up to 256 times the usual, where it moves less than a quarter of that
+CRAWL = 0.08
+# units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
+# motion
+LANDING = 0.03
+# Used in place of LANDING while the motion starts. There the residual is small anyway: about half the curvature
+# times the distance squared
+NEAR = 1e-4
+# most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
+# layers that detach
+BUDGET = 250_000
+# units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
+# at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
+STALLED = 0.3
+STALLS = 50  # most states kept for that; so many mean that it has stalled
 DIVERGED = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
 
@@ -70,16 +62,16 @@ class Transient:
     tried.
     """
 
-    def __init__(self, problem, end, trial, judge, damping, closed, options: TransientOptions = TRANSIENT):
-        self.problem, self.judge, self.damping, self.end, self.options = problem, judge, damping, end, options
+    def __init__(self, problem, end, trial, judge, damping, closed):
+        self.problem, self.judge, self.damping, self.end = problem, judge, damping, end
         self.unit, self.trial, self.mode, self.sharper = problem.unit, trial, None, 1.0
-        self.away = options.start * self.unit * end.phi
+        self.away = START * self.unit * end.phi
         self.load, self.v = end.load, end.v + self.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
         y = problem.motion().start(self.v, self.load)
         self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
-        self.pace = options.slow if isfinite(damping) and trial.finer == 1.0 else 1.0
+        self.pace = SLOW if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
         self._speeds, self._stalls = (0.0, 0.0), list[np.ndarray]()  # nm per time, at the last two checks
 
@@ -90,8 +82,8 @@ class Transient:
         """
         while True:
             self._advance()
-            near = self.options.near / self.trial.nearer**2
-            bound = self.sharper * self.unit * (near if self.starting else self.options.landing)
+            near = NEAR / self.trial.nearer**2
+            bound = self.sharper * self.unit * (near if self.starting else LANDING)
             unrest = self._unrest(bound)
             if unrest < bound:
                 state = self._rest_near()
@@ -104,45 +96,45 @@ class Transient:
 
     def _advance(self):
         """Make some time steps, adapted to the stiffness here and where the state is about to be."""
-        motion, options, dynamics = self.motion, self.options, self.motion.dynamics
+        motion, dynamics = self.motion, self.motion.dynamics
         # surfaces that are about to clash stiffen
         stiffness = max(dynamics.interface(self.v), dynamics.interface(self.v + self.ahead))
         if not stiffness < DIVERGED * motion.closed:
             raise TooLong("the motion diverges")
-        if self.steps > options.budget:
-            raise NotConverged(f"still moving, residual {self._residual():.2g} nm, after {options.budget} steps")
+        if self.steps > BUDGET:
+            raise NotConverged(f"still moving, residual {self._residual():.2g} nm, after {BUDGET} steps")
         self._set_pace()
         motion.soften(stiffness, self.pace / self.trial.finer)
-        motion.advance(options.steps)
-        self.steps, self.elapsed = self.steps + options.steps, self.elapsed + options.steps * motion.time
+        motion.advance(STEPS)
+        self.steps, self.elapsed = self.steps + STEPS, self.elapsed + STEPS * motion.time
         before, self.v = self.v, dynamics.unknowns(motion.y)
         if not np.abs(self.v).max() < DIVERGED * self.unit:  # nan fails it too
             raise TooLong("the motion diverges")
         self.ahead = self.v - before
-        self._note_stall(before, np.abs(self.ahead).max() / (options.steps * motion.time))
+        self._note_stall(before, np.abs(self.ahead).max() / (STEPS * motion.time))
         self.problem.hold(self.v, self.load)
         self.starting = self._near_end(self.v)
 
     def _note_stall(self, before, speed):
         """Keep the state before the last check if the motion was slower there than before and after."""
         last, self._speeds = self._speeds, (self._speeds[1], speed)
-        far = np.abs(before - self.end.v).max() > self.options.stalled * self.unit
-        if last[0] > last[1] < speed and far and len(self._stalls) < self.options.stalls:
+        far = np.abs(before - self.end.v).max() > STALLED * self.unit
+        if last[0] > last[1] < speed and far and len(self._stalls) < STALLS:
             self._stalls.append(before)
 
     def _stalled(self, state):
         """Whether the motion that came to rest in a State has stalled before."""
-        far = self.options.stalled * self.unit
-        return len(self._stalls) == self.options.stalls or any(np.abs(v - state.v).max() > far for v in self._stalls)
+        far = STALLED * self.unit
+        return len(self._stalls) == STALLS or any(np.abs(v - state.v).max() > far for v in self._stalls)
 
     def _set_pace(self):
         """Set the factor of the usual steps until the next check; without inertia, they may adapt to the speed."""
-        options, moved = self.options, np.abs(self.ahead).max() / self.unit
-        slowly = moved < 0.25 * options.crawl
+        moved = np.abs(self.ahead).max() / self.unit
+        slowly = moved < 0.25 * CRAWL
         if isfinite(self.damping):
             if not self.starting or not (slowly or self.end.kind == "flutter"):
                 self.pace = 1.0  # for good: changes of the steps add energy
-        elif moved > options.crawl:
+        elif moved > CRAWL:
             self.pace = max(0.5 * self.pace, 1.0)
         elif slowly and self.steps:
             self.pace = min(2.0 * self.pace, 256.0)
@@ -158,7 +150,7 @@ class Transient:
 
     def _near_end(self, v):
         """Whether v is still close to the end of the branch: within four times the distance of the start."""
-        return self.end.located and bool(np.abs(v - self.end.v).max() < 4.0 * self.options.start * self.unit)
+        return self.end.located and bool(np.abs(v - self.end.v).max() < 4.0 * START * self.unit)
 
     def _returned(self, v):
         """Whether v is the end of the branch or lies before it: less than half-way to the start of the motion."""
@@ -170,7 +162,7 @@ class Transient:
         corrector.begin(State.at_rest(self.load, self.v))
         secants = corrector.secants()
         solution = corrector.solve(self.v, self.load, secants)
-        if solution is None or np.abs(solution.v - self.v).max() > CORRECTOR.longest * self.unit:
+        if solution is None or np.abs(solution.v - self.v).max() > LONGEST * self.unit:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
         self.mode = self.judge.rightmost(self.problem, solution.v, self.mode)

@@ -22,7 +22,7 @@ import numpy as np
 
 from solver import Scene, load_path
 from solver.continuation.anderson import Secants
-from solver.continuation.corrector import CORRECTOR
+from solver.continuation.corrector import MEMORY
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, Transform
@@ -148,8 +148,8 @@ def parts(row):
     v = np.random.default_rng(0).normal(size=problem.size)
     r = np.empty_like(v)
     layer = Convolution(contact.modes, contact.size)
-    secants = Secants(CORRECTOR.memory, v.size)
-    for _ in range(CORRECTOR.memory):
+    secants = Secants(MEMORY, v.size)
+    for _ in range(MEMORY):
         secants.push(*np.random.default_rng(1).normal(size=(4, v.size)))
     fft = Transform(contact.nodes)
     micro = {

@@ -8,7 +8,8 @@ slips (to 1e-4 nm), their number, or the last force (to 1e-4) differ.
 """
 
 import sys
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
+from functools import partial
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -16,25 +17,26 @@ import numpy as np
 from scenes import cells, options, ran, scene_of, slider_box, write
 
 from solver import Scene, continuation
-from solver.continuation import anderson, branch, state
-from solver.run import loadpath
 
 SMALL = {"nodes": 512, "width": 1250.0, "radius": 5.0, "u_x_max": 20.0}
-PLAIN = {  # constants outside of records, and the modules that have imported them
-    "REGULARISATION": [anderson], "FORGET": [anderson], "MOVED": [state, branch], "FREE": [loadpath],
-}  # fmt: skip
 
 
 def constants():
-    """Yield (name, value, function that sets it): plain ones, and the numbers of every module's default options."""
-    for name, modules in PLAIN.items():
-        yield name, getattr(modules[0], name), lambda x, n=name, some=modules: [setattr(m, n, x) for m in some]
-    for module in iter_modules(continuation.__path__):
-        record = getattr(import_module(f"{continuation.__name__}.{module.name}"), module.name.upper(), None)
-        for field in fields(record) if record else ():
-            value = getattr(record, field.name)
-            if isinstance(value, (int, float)):
-                yield f"{module.name}.{field.name}", value, lambda x, r=record, n=field.name: vary(r, n, x)
+    """Yield (name, value, function that sets it): numbers of every module, and of its default options."""
+    modules = [import_module(f"solver.continuation.{module.name}") for module in iter_modules(continuation.__path__)]
+    for name, value in {name: value for module in modules for name, value in vars(module).items()}.items():
+        if name.isupper() and type(value) in (int, float):
+            yield name, value, partial(put, modules, name)
+        elif name.isupper() and is_dataclass(value):
+            for field in fields(value):
+                yield f"{name}.{field.name}", getattr(value, field.name), partial(vary, value, field.name)
+
+
+def put(modules, name, new):
+    """Set a constant wherever it has been imported."""
+    for module in modules:
+        if hasattr(module, name):
+            setattr(module, name, new)
 
 
 def vary(record, name, value):

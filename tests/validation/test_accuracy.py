@@ -17,6 +17,7 @@ import solver.cli as cli
 from solver import Scene, load_path
 from solver.accuracy import measure as measurement
 from solver.accuracy.compare import Point, compare, perform, reference, refined
+from solver.accuracy.document import write_page
 from solver.accuracy.measure import SERIES, SWEEPS, measure
 from solver.accuracy.report import choice, command, data, document, sentence
 from solver.cli.options import scene_of
@@ -231,7 +232,7 @@ def test_plotting_libraries_are_imported_only_when_needed():
 @pytest.mark.thorough
 @pytest.mark.browser
 def test_the_page_opens_offline(report, browser, tmp_path):
-    document(report).write_page(tmp_path / "a.html")
+    write_page(tmp_path / "a.html", *document(report))
     context = browser.new_context(offline=True)
     page, asked, wrong = context.new_page(), [], []
     page.on("request", lambda request: asked.append(request.url))

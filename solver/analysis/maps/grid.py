@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 COUNT = 2, 400  # values of an axis: one value is no axis, and 400 x 400 points take hours
 FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of these"
 CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in DISCRETE and not limits.whole)
+RUNS = 16  # points at first, which are all runs: their neighbours are too far to follow
 AROUND = 4  # known points nearest to another: at the corners around it, or at the ends of its side
 
 Place = tuple[int, int]  # (i, j) of a point: columns along x, rows along y
@@ -118,8 +119,7 @@ class Map:
     def task(self, place: Place, known: Mapping[Place, Outcome]) -> Task:
         """The Task of a place among the known Outcomes."""
         values = {axis.name: float(axis.values[k]) for axis, k in zip((self.x, self.y), place, strict=True)}
-        # the first 16 points are runs: their neighbours are too far to follow
-        near = _nearest(place, known) if len(known) >= 16 else []
+        near = _nearest(place, known) if len(known) >= RUNS else []
         around, start = tuple(point for point, _ in near[:AROUND]), next((kept for _, kept in near if kept), None)
         keep = not (place[0] % 2 or place[1] % 2)  # so that every other point has one with a Skeleton beside it
         return Task(self.scene, tuple(values.items()), *place, keep, around, start)
