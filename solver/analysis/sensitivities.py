@@ -285,10 +285,6 @@ class _Differentiator:
         dG = (y * state.T).sum(axis=1) - np.outer(x[:, -1], held) - np.outer(back, (left * bent).sum(axis=0))
         F_bar, L_bar, A_bar = outputs.tolist()
         event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
-        return _Fold(event, by, self._on_cell(np.vstack([load, dG])))
-
-    def _on_cell(self, rows):
-        """Derivatives (4, nodes) by the strength of every node, from those (4, m) of the patch."""
-        out = np.zeros((4, self.scene.nodes))
-        out[:, self.first : self.first + rows.shape[1]] = rows
-        return out
+        nodes = np.zeros((4, scene.nodes))
+        nodes[:, self.contact.part] = np.vstack([load, dG])
+        return _Fold(event, by, nodes)

@@ -79,7 +79,9 @@ def _search(problem, guess, options):
         worst = problem.residual(v, load, r)
         sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
         if matrix is not None and sharp and worst <= problem.tolerance:
-            return _fold(problem, matrix, load, v, phi, worst)
+            psi = matrix.psi / np.linalg.norm(problem.direction)
+            found = End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
+            return found if matrix.slopes @ phi > 0.0 else None  # else the load has a minimum there
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
             matrix = Bordered(problem, v, phi, psi, options)
             phi, psi, g = matrix.phi, matrix.psi, matrix.g
@@ -101,10 +103,3 @@ def _step(problem, matrix, phi, g, r):
     dv, ds = x[:-1], x[-1]
     part = (g - matrix.slopes @ dv) / (matrix.slopes @ phi)
     return dv + part * phi, (ds + part * g) / np.linalg.norm(problem.direction)
-
-
-def _fold(problem, matrix, load, v, phi, worst):
-    if not matrix.slopes @ phi > 0.0:  # a minimum of the load
-        return None
-    psi = matrix.psi / np.linalg.norm(problem.direction)
-    return End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))

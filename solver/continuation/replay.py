@@ -18,11 +18,13 @@ def advanced(
     spacing: of the sites along the load, nm; None: repeat no states, and keep nothing but the ends passed, as `jumps`.
     The residual of each state that is moved on is evaluated; a state that is not the one expected is solved for.
     """
-    if spacing is not None and trace.period and _describes(trace):
+    # short branches to a slip are nearly straight, smooth sliding is not: few states do not describe it
+    smooth = trace.branches[0].periodic
+    if spacing is not None and trace.period and not (smooth and len(trace.branches[0].states) <= FEWEST_STATES):
         repeated = _repeated(stepper.problem, state, target, trace)
         if repeated is not None:
             return repeated
-        if not trace.branches[0].periodic:
+        if not smooth:
             trace = Trace.of(state, trace.jumps)
     done = stepper.increment(state, target)
     if spacing is None:
@@ -42,11 +44,6 @@ def _with_state(problem, trace, state):
     """The Trace of smooth sliding with a State that was solved for, moved back by whole periods."""
     shift = max(0, ceil((state.load - trace.end) / trace.period)) * trace.period
     return trace.added(trace.branches[0], Point(state.load - shift, state.v - shift * problem.direction))
-
-
-def _describes(trace):
-    """Whether states can be interpolated; short branches to a slip are nearly straight, smooth sliding is not."""
-    return not trace.branches[0].periodic or len(trace.branches[0].states) > FEWEST_STATES
 
 
 def _repeated(problem, state, target, trace):

@@ -84,11 +84,16 @@ class Transient:
             self._advance()
             near = NEAR / self.trial.nearer**2
             bound = self.sharper * self.unit * (near if self.starting else LANDING)
-            unrest = self._unrest(bound)
+            swung = self.motion.dynamics.unknowns(self.motion.y + self.motion.swing())
+            unrest = float(np.abs(swung - self.v).max())
+            if unrest < bound:  # only then the residual is worth a force evaluation
+                unrest = max(unrest, self._residual())
             if unrest < bound:
                 state = self._rest_near()
-                if state is not None and not self._returned(state.v):
-                    return state, self._stalled(state)
+                if state is not None:
+                    far = STALLED * self.unit
+                    stalled = any(np.abs(v - state.v).max() > far for v in self._stalls)
+                    return state, stalled or len(self._stalls) == STALLS
                 self.sharper *= 0.3
             returned = self.starting and unrest < self.problem.tolerance
             if returned or self._restless():
@@ -122,11 +127,6 @@ class Transient:
         if last[0] > last[1] < speed and far and len(self._stalls) < STALLS:
             self._stalls.append(before)
 
-    def _stalled(self, state):
-        """Whether the motion that came to rest in a State has stalled before."""
-        far = STALLED * self.unit
-        return len(self._stalls) == STALLS or any(np.abs(v - state.v).max() > far for v in self._stalls)
-
     def _set_pace(self):
         """Set the factor of the usual steps until the next check; without inertia, they may adapt to the speed."""
         moved = np.abs(self.ahead).max() / self.unit
@@ -139,12 +139,6 @@ class Transient:
         elif slowly and self.steps:
             self.pace = min(2.0 * self.pace, 256.0)
 
-    def _unrest(self, bound):
-        """The larger of swing and residual, nm; the swing alone, which needs no force evaluation, beyond a bound."""
-        swung = self.motion.dynamics.unknowns(self.motion.y + self.motion.swing())
-        swing = float(np.abs(swung - self.v).max())
-        return swing if not swing < bound else max(swing, self._residual())
-
     def _residual(self):
         return self.problem.residual(self.v, self.load, np.empty(self.v.size))
 
@@ -152,12 +146,8 @@ class Transient:
         """Whether v is still close to the end of the branch: within four times the distance of the start."""
         return self.end.located and bool(np.abs(v - self.end.v).max() < 4.0 * START * self.unit)
 
-    def _returned(self, v):
-        """Whether v is the end of the branch or lies before it: less than half-way to the start of the motion."""
-        return self._near_end(v) and bool((v - self.end.v) @ self.away < 0.5 * (self.away @ self.away))
-
     def _rest_near(self):
-        """The State that Anderson steps lead to; None if they fail, go too far or reach an unstable state."""
+        """The State that Anderson steps lead to; None if they fail, go too far, back or to an unstable state."""
         corrector = Corrector(self.problem)
         corrector.begin(State.at_rest(self.load, self.v))
         secants = corrector.secants()
@@ -166,7 +156,9 @@ class Transient:
             return None  # farther off they may reach other equilibria than the motion
         # while an oscillation goes on, attempts often lead to the same state
         self.mode = self.judge.rightmost(self.problem, solution.v, self.mode)
-        if not self.mode.rests:
+        # it went back if it is less than half-way from the end of the branch to the start of the motion
+        way, away = solution.v - self.end.v, self.away
+        if not self.mode.rests or (self._near_end(solution.v) and way @ away < 0.5 * (away @ away)):
             return None
         solved = {"secants": secants, "sharp": corrector.sharp, "mode": self.mode, "residual": solution.residual}
         return State.at_rest(self.load, solution.v, **solved)
