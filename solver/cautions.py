@@ -6,8 +6,8 @@ from .mechanics.layer import Modes
 from .run.frame import largest_overlap, largest_safe_damping
 from .run.summary import widest
 
-COARSE = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
-FAR = 4.0  # a / delta_t, most: above, a node moved sideways without friction leaves the reach of its spring
+FINEST = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
+COARSEST = 4.0  # a / delta_t, most: above, a node moved sideways without friction leaves the reach of its spring
 # of w, the width within which nodes act. At 0.62 neighbours as near change A_0 by 2 % and F_s by 4 %, at 0.81 by 9 and
 # 13 % (256 nodes of the default spacing, radius 2.5 w, against a cell twice as wide with the same punch and layer)
 WIDE = 0.6
@@ -47,16 +47,17 @@ def cautions_of(scene, frames) -> list[str]:
 
 def _of_the_lattice(scene):
     ratio = scene.spacing / scene.delta_t
-    if ratio < COARSE:
+    if ratio < FINEST:
         yield (
-            f"Node spacing a = {ratio:.2g} δₜ is below {COARSE:g} δₜ: the corrugation, and with it the friction, is"
+            f"Node spacing a = {ratio:.2g} δₜ is below {FINEST:g} δₜ: the corrugation, and with it the friction, is"
             " smoothed away. Use fewer nodes, or a smaller δₜ."
         )
     # from nu = 0.499 on, pressure moves nodes sideways by 0.2 % of the way it presses them in
-    if ratio > FAR and scene.nu < 0.499:
+    if ratio > COARSEST and scene.nu < 0.499:
         yield (
-            f"Node spacing a = {ratio:.2g} δₜ is above {FAR:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes move"
-            " sideways, out of reach of their springs, and the contact grows too wide. Use more nodes, or a larger δₜ."
+            f"Node spacing a = {ratio:.2g} δₜ is above {COARSEST:g} δₜ and ν = {scene.nu:g} below 0.5: pressed nodes"
+            " move sideways, out of reach of their springs, and the contact grows too wide. Use more nodes, or a larger"
+            " δₜ."
         )
 
 

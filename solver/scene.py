@@ -27,8 +27,7 @@ PATHS = {
 DAMPING = "damping of the motion through a slip; 1 is critical for the slowest mode, inf overdamped"
 UNDERDAMPED = "with less, waves of the contact flutter and never come to rest"
 # MPa/nm; the default layer has some 10 along x and 100 along z. A normal drive at the low end is a held load to 1e-5
-DRIVE = 1e-6, 1e6, "MPa/nm"
-RESIDUAL = "largest residual max |U + C T(u) - u| of a converged frame"
+STIFFNESS = 1e-6, 1e6, "MPa/nm"
 LAWS = {
     "np1": "the paper's, whose resistance to shear grows with overclosure",
     "xu-needleman": "with a potential for phi_ratio 1; its resistance to shear falls with overclosure",
@@ -88,15 +87,17 @@ class Scene:
     hold: str = word("delta", HOLDS, "what is held during shear", LOADING)
     u_x_max: float = number(40.0, 0.0, FAR, "nm", "largest tangential displacement of the stage", LOADING)
     drive_t: float = number(
-        inf, *DRIVE, "stiffness of the drive along x, between stage and top", LOADING, unbounded=True
+        inf, *STIFFNESS, "stiffness of the drive along x, between stage and top", LOADING, unbounded=True
     )
     drive_n: float = number(
-        inf, *DRIVE, "stiffness of the drive along z, between stage and top", LOADING, unbounded=True
+        inf, *STIFFNESS, "stiffness of the drive along z, between stage and top", LOADING, unbounded=True
     )
     damping: float = number(1.0, 0.2, 4.0, "", DAMPING, LOADING, unbounded=True, beyond=UNDERDAMPED)
     du_x: float = number(0.1, 1e-3, 1.0, "δₜ", "tangential increment of the shear", LOADING)
     du_z: float = number(0.1, 1e-3, 1.0, "δₙ", "normal increment of the approach", LOADING)
-    tolerance: float = number(1e-8, 1e-12, 1e-3, "nm", RESIDUAL, LOADING)
+    tolerance: float = number(
+        1e-8, 1e-12, 1e-3, "nm", "largest residual max |U + C T(u) - u| of a converged frame", LOADING
+    )
 
     surface: str = word("circular", SHAPES, "undeformed profile of the surface", SURFACE)
     radius: float = number(2.5, 0.1, 1e3, "w", "radius R of the protrusion over the width w", SURFACE)

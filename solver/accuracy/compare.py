@@ -19,7 +19,7 @@ from ..run.loadpath import ALL, load_path
 from ..scene import Scene, SceneError
 
 Method = str | Callable[..., Any]  # as of `load_path`
-QUANTITIES = ("F", "L", "A")
+CURVES = ("F", "L", "A")
 NOTHING = np.array([1e-30, 1e-30, 1e-6])  # of F_bar, L_bar, A_bar: the least scale of an error, where all is zero
 
 
@@ -74,7 +74,7 @@ class Point:
     @property
     def branch_error(self) -> float | None:
         """The largest of the errors before the first slip."""
-        errors = [getattr(self, name) for name in QUANTITIES]
+        errors = [getattr(self, name) for name in CURVES]
         return None if None in errors else max(errors)
 
     def worst(self, name: str) -> float | None:
@@ -155,7 +155,7 @@ def on_branch(curves: Curves, best: Curves) -> list[float | None]:
     end = min([*first, curves.scene.u_x_max])
     both = [at for at in curves.rows if at in best.rows and at <= round(end, 9)]
     if not both:
-        return [None] * len(QUANTITIES)
+        return [None] * len(CURVES)
     scale = np.maximum(np.abs(list(best.rows.values())).max(axis=0), NOTHING)
     # of the larger of F and L: the least scale of the error of a force that stays below, as L on the flat does. So its
     # relative error is at most 100 times that of the other force

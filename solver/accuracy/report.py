@@ -8,7 +8,7 @@ from typing import Any
 from ..cautions import flutter
 from ..scene import LIMITS
 from ..text import changes
-from .compare import QUANTITIES, Point
+from .compare import CURVES, Point
 from .document import Section
 from .measure import FULL, QUICK, SWEEPS, Report
 
@@ -17,7 +17,7 @@ ERRORS: dict[str, tuple[str, Callable]] = {  # sweep: name of the error that its
     "du_x": ("largest error of a slip's position [nm]", lambda p: p.worst("position")),
 }
 VISIBLE = 1e-4  # of the largest value: an error that no plot shows, and no experiment on adhesion resolves
-FINER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
+TIGHTER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
 
 def sentence(report: Report) -> str:
@@ -42,8 +42,8 @@ def choice(report: Report, sweep: str) -> str:
     place = "" if slip is None else f", slips to {slip:.0e} nm"
     rest = [p for p in points if p.value < cheap.value]
     worse = [f"{p.value:g} leaves {points[p]:.0e}" for p in rest if p not in good]
-    more = f"{FINER[sweep]} has no visible effect" if rest else f"{FINER[sweep]} was not tried"
-    more = f"yet {FINER[sweep]} is not always better: {', '.join(worse)}" if worse else more
+    more = f"{TIGHTER[sweep]} has no visible effect" if rest else f"{TIGHTER[sweep]} was not tried"
+    more = f"yet {TIGHTER[sweep]} is not always better: {', '.join(worse)}" if worse else more
     return (
         f"{sweep} {cheap.value:g} gives F to {cheap.F:.0e}, L to {cheap.L:.0e}, A to {cheap.A:.0e}{place}"
         f" in {cheap.seconds:.2g} s; {more}."
@@ -74,7 +74,7 @@ def _row(p: Point):
         "value": f"{p.value:g}",
         "seconds": "-" if p.seconds is None else f"{p.seconds:.3g}",
         "evaluations": "-" if p.evaluations is None else str(p.evaluations),
-        **{name: _short(getattr(p, name)) for name in QUANTITIES},
+        **{name: _short(getattr(p, name)) for name in CURVES},
         "slip, nm": _short(p.worst("position")),
         "F_s": _short(p.worst("force")),
     }

@@ -6,9 +6,8 @@ from math import ceil, e, inf, pi, sqrt
 
 import numpy as np
 
-from ..continuation.state import NotConverged
+from ..continuation.state import ROUND_OFF, NotConverged
 from ..run.frame import slips_in
-from ..run.load_steps import ROUND_OFF
 from ..run.loadpath import Checkpoint
 from ..run.slices import advance
 from ..scene import LARGEST_RUN, SceneError
@@ -18,8 +17,8 @@ from ..scene import LARGEST_RUN, SceneError
 INTERFACES = "fig8-black", "fig8-red", "fig8-blue"
 INDENTATIONS = (-0.3, -0.2, -0.15, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6)
 # points per lattice period of the flat interface's branches: the maximum of a sine lies between two of them, and is
-# (pi/POINTS)^2/2 = 7e-8 above the higher one
-POINTS = 8192
+# (pi/PLACES)^2/2 = 7e-8 above the higher one
+PLACES = 8192
 
 
 @dataclass(frozen=True)
@@ -156,7 +155,7 @@ def _lattice(ratio):
     xi = u_x/a; pull = -T_x in phi_t/delta_t; slope = its derivative in phi_t/delta_t^2. Poisson's sum of Eq. 2
     converges for every ratio: terms m beyond 2 a/delta_t are below round-off of the largest.
     """
-    xi = np.arange(2 * POINTS + 1) / POINTS
+    xi = np.arange(2 * PLACES + 1) / PLACES
     pull, slope = np.zeros(xi.size), np.zeros(xi.size)
     for m in range(1, ceil(2.0 * ratio) + 3):
         weight = 4.0 * pi**1.5 * m / ratio**2 * np.exp(-((pi * m / ratio) ** 2))
@@ -197,9 +196,9 @@ def friction(scene, reference=None) -> Friction:
     top = np.maximum.accumulate(load)
     visited = load >= top
     first = 0 if visited.all() else int(np.argmin(visited)) - 1  # the first fold; everything repeats after a period
-    period = slice(first, first + POINTS + 1)
+    period = slice(first, first + PLACES + 1)
     landed = np.flatnonzero(visited[1:] & ~visited[:-1])
-    landed = landed[(landed >= first) & (landed < first + POINTS)]
+    landed = landed[(landed >= first) & (landed < first + PLACES)]
     part = (top[landed] - load[landed]) / (load[landed + 1] - load[landed])
     at_landing = stress[landed] + part * (stress[landed + 1] - stress[landed])
     F = np.concatenate([stress[period][visited[period]], at_landing]) / (reference or scene.E)

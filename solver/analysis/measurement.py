@@ -17,7 +17,7 @@ FEWEST = 8  # points; third differences of fewer leave no estimate of the noise
 JUMP = 5.0 * 2.0**0.5  # least drop of a slip over the noise of a point; noise alone makes one in 3 million points
 # least drop of a slip over the median step, on a finely sampled curve. Where steps are noise alone, their median is
 # 0.95 deviations, and this is about JUMP
-STEEP = 8.0
+SUDDEN = 8.0
 # Least drop of a slip over the steps beside it and over the 90 % quantile of rises, on a sparse curve. 24 scenes at 5
 # to 8 points a period with 1.2 % noise (tests/bench/fit.py, BASE): 1.7 took smooth sliding for slips, 2.5 missed 6 %.
 ALONE = 2.0
@@ -64,7 +64,7 @@ class Measurement:
         if not self.slips:
             return np.inf
         steps = np.diff(self.values["F_bar"])
-        return max(JUMP * self.noise["F_bar"], min(STEEP * float(np.median(np.abs(steps))), ALONE * _rise(steps)))
+        return max(JUMP * self.noise["F_bar"], min(SUDDEN * float(np.median(np.abs(steps))), ALONE * _rise(steps)))
 
     @staticmethod
     def of(
@@ -116,7 +116,7 @@ def drops_of(F: NDArray[np.float64]) -> NDArray[np.int_]:
     steps = np.diff(F)
     size = np.abs(steps)
     beside = np.maximum(np.append(0.0, size[:-1]), np.append(size[1:], 0.0))
-    steep = steps < -STEEP * float(np.median(size))
+    steep = steps < -SUDDEN * float(np.median(size))
     return np.flatnonzero(steep | (steps < -ALONE * np.maximum(beside, _rise(steps))))
 
 

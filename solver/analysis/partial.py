@@ -16,10 +16,12 @@ from ..mechanics.layer import Modes, multiply
 from ..scene import LIMITS, SURFACES, Scene, SceneError
 
 Floats = NDArray[np.float64]
-STEP = 1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
+DIFFERENCE = (
+    1e-5  # of a parameter, over its value: truncation and round-off of a central difference are both about 1e-10
+)
 PHYSICS = ("delta_bar", "phi_n", "phi_ratio", "delta_n", "delta_t", "E", "nu", "height", "width")
 DRIVE = ("drive_t", "drive_n")  # that of a rigid drive, inf, has no values beside it
-LAYER = ("E", "nu", "height", "width", *DRIVE)  # parameters of the compliance of layer and drive
+OF_THE_LAYER = ("E", "nu", "height", "width", *DRIVE)  # parameters of the compliance of layer and drive
 NOT_OF_THE_LAW = ("E", "nu", "height", "delta_bar", *DRIVE)  # without effect on the law and on the profile
 IN_STEPS = ("cut_off",)  # the profile depends on them in steps
 
@@ -58,14 +60,14 @@ class Change:
         value = getattr(scene, name)
         size = abs(value) or min(1.0, LIMITS[name].high)
         # at the end of a range truncation is of first order, and as large as round-off at 1e-7: both are some 1e-8
-        for parts in ((-STEP, STEP), (0.0, 1e-7), (-1e-7, 0.0)):
+        for parts in ((-DIFFERENCE, DIFFERENCE), (0.0, 1e-7), (-1e-7, 0.0)):
             try:
                 low, high = (scene.changed(**{name: value + part * size}) for part in parts)
             except SceneError:
                 continue
             span = getattr(high, name) - getattr(low, name)
             profiles = None if name in NOT_OF_THE_LAW else np.array([low.profile[part], high.profile[part]])
-            change = (Modes.of(high).compliance - Modes.of(low).compliance) / span if name in LAYER else None
+            change = (Modes.of(high).compliance - Modes.of(low).compliance) / span if name in OF_THE_LAYER else None
             return Change(name, low, high, span, part, profiles, change)
         raise SceneError(name, value, "allowed: a value with others beside it", "change it a little")
 

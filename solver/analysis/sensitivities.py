@@ -35,8 +35,8 @@ from .partial import Change, continuous, spectra
 
 Floats = NDArray[np.float64]
 RESIDUAL = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10
-ACCURACY = 1e-9  # of a linear solve; derivatives are asked for to 1e-5, and amplified near a fold
-SHARP = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
+SOLVED = 1e-9  # of a linear solve; derivatives are asked for to 1e-5, and amplified near a fold
+FOLDS = FoldOptions(state=1e-10, accuracy=1e-3)  # units; from 1e-9 a derivative by height had noise of 2e-5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,7 +198,7 @@ class _Differentiator:
         """Whether a load is held."""
         return self.problem.held
 
-    def settled(self, v, load, accuracy=ACCURACY, tolerance=None) -> _State:
+    def settled(self, v, load, accuracy=SOLVED, tolerance=None) -> _State:
         """The _State next to v by Newton's steps; raises NotFollowed where they do not reach the tolerance, nm."""
         problem, r, tolerance = self.problem, np.empty(self.problem.size), tolerance or self.scene.tolerance
         for _ in range(4):  # from 1e-5 nm it takes one or two
@@ -257,10 +257,10 @@ class _Differentiator:
     def slip(self, branch) -> _Fold:
         """The _Fold at the end of a Branch."""
         scene, problem = self.scene, self.problem
-        fold = fold_near(problem, branch.slip, SHARP)
+        fold = fold_near(problem, branch.slip, FOLDS)
         if fold is None:
             raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
-        at = Bordered(problem, fold.v, fold.phi, fold.psi, replace(SHARP, accuracy=ACCURACY))
+        at = Bordered(problem, fold.v, fold.phi, fold.psi, replace(FOLDS, accuracy=SOLVED))
         linearised: Any = at.linearised
         state = _State(linearised, at.solves, problem.traction(fold.v))
         outputs, G_T = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)

@@ -18,7 +18,7 @@ from ..scene import Scene
 from .toughness import toughness
 
 ANGLES = np.radians(range(0, 81, 10))  # mode angles at which the toughness is computed
-POINTS = 200  # of a curve
+DRAWN = 200  # of a curve
 M = np.arange(1, 60)[:, None]  # harmonics of the sum over sites: exact to round-off for any spacing in range
 
 
@@ -63,7 +63,7 @@ def _zero(f, low, high):
 
 def _flat(scene):
     """F = w f(u), U_x = u + (h/G + 1/k_t) f(u), where f is the shear traction of a node displaced by u."""
-    u = np.linspace(0.0, max(scene.u_x_max, scene.spacing), POINTS * (1 + int(scene.u_x_max / scene.spacing)))
+    u = np.linspace(0.0, max(scene.u_x_max, scene.spacing), DRAWN * (1 + int(scene.u_x_max / scene.spacing)))
     f, n = _node(scene, u)
     if n.max() > 1.0 - 1e-6 or f[1] < 0.0:
         return ()  # apart by delta_n, waves of the surface grow; overlapping, Xu-Needleman repels nodes from sites
@@ -72,7 +72,7 @@ def _flat(scene):
     if not falls.size:
         limit = "It holds everywhere, as nothing slips."
         return (Theory("Prandtl–Tomlinson", "F", "U_x", U_x, scene.width * f, limit),)
-    u = u[falls[0] + 1] * (1.0 - np.linspace(1.0, 0.0, POINTS) ** 2)  # closer together towards the slip
+    u = u[falls[0] + 1] * (1.0 - np.linspace(1.0, 0.0, DRAWN) ** 2)  # closer together towards the slip
     f, _ = _node(scene, u)
     U_x = u + scene.shear_compliance * f
     upto = slice(int(np.argmax(U_x)) + 1)
@@ -111,7 +111,7 @@ class _Contact(NamedTuple):
     def of(scene):
         E, R, C = scene.E / (1.0 - scene.nu**2), scene.radius * scene.width, Modes.of(scene).compliance / scene.width
         springs = float(np.exp(-((np.arange(-200, 201) * scene.spacing / scene.delta_t) ** 2)).sum())
-        t, q = np.geomspace(1e-3, 0.3, POINTS) * scene.width, 2.0 * pi * np.arange(1, C.shape[1]) / scene.width
+        t, q = np.geomspace(1e-3, 0.3, DRAWN) * scene.width, 2.0 * pi * np.arange(1, C.shape[1]) / scene.width
         tq = np.outer(t, q)
         strip, hertz = 2.0 * j0(tq), 2.0 * j1(tq) / tq
         round = pi * E * t**2 / (2.0 * R) * (0.5 * C[1, 0] + hertz @ C[1, 1:])
@@ -145,14 +145,14 @@ def _maugis(contact, gamma, pull, number, widest):
     Around a contact of half-width a the surfaces attract each other by `pull` up to m a. That is the pressure of Hertz
     less bonded strips of half-widths t from a to m a, each of load 2 pull ds, t^2 = (m a)^2 - s^2.
     """
-    m = 1.0 + np.geomspace(1e3, 1e-4, POINTS)
+    m = 1.0 + np.geomspace(1e3, 1e-4, DRAWN)
     mu = np.sqrt(m * m - 1.0)
     square = number / 2.0 * (m * mu - np.log(m + mu))
     linear = number**2 / 2.0 * (mu * np.log(m + mu) - m * np.log(m))
     a = 4.0 * (gamma * contact.R**2 / (pi * contact.E)) ** (1.0 / 3.0) / (linear + np.sqrt(linear**2 + 4.0 * square))
     inside = (a < widest) & (m * a < contact.t[-1]) & (a > contact.t[0])
     a, m, zone = a[inside], m[inside], (a * mu)[inside]
-    s = (np.arange(POINTS)[:, None] + 0.5) / POINTS * zone
+    s = (np.arange(DRAWN)[:, None] + 0.5) / DRAWN * zone
     strips = np.interp(np.sqrt((m * a) ** 2 - s**2), contact.t, contact.flat).mean(axis=0)
     delta, slope = np.interp(a, contact.t, contact.round) - 2.0 * pull * zone * strips, contact.E / (2.0 * contact.R)
     r = _zero(lambda r: slope * r - 2.0 * pull / pi * np.arctan2(zone, r), np.zeros(a.shape), a)  # sqrt(a^2 - x^2)
@@ -166,7 +166,7 @@ def _griffith(scene, contact, load):
 
     N = H - P is the load that adhesion bears, H the load of Hertz, and tan psi = F/N.
     """
-    gammas, a = contact.springs * toughness(scene, ANGLES), np.linspace(contact.t[0], contact.t[-1], 4 * POINTS)
+    gammas, a = contact.springs * toughness(scene, ANGLES), np.linspace(contact.t[0], contact.t[-1], 4 * DRAWN)
     round, flat, sheared = (np.interp(a, contact.t, each) for each in (contact.round, contact.flat, contact.sheared))
     N = (round - scene.delta) / flat if load is None else pi * contact.E * a**2 / (4.0 * contact.R) - load
 

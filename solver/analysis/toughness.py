@@ -22,13 +22,13 @@ from ..scene import Scene
 from ..threads import one_thread
 from .peeling import edges
 
-STEEPEST = radians(80.0)  # of psi: towards pure shear the cohesive zone grows without bound
+LARGEST_ANGLE = radians(80.0)  # of psi: towards pure shear the cohesive zone grows without bound
 CELLS = 120  # of the interface at the tip; Gamma is 1e-3 phi_n above that of very many, 3e-3 at phi_ratio 0.02
-BEHIND, AHEAD = 40.0, 120.0  # lengths E* delta_n^2/phi_n bonded before the tip and open behind it: as CELLS
+BEHIND, OPEN = 40.0, 120.0  # lengths E* delta_n^2/phi_n bonded before the tip and open behind it: as CELLS
 NARROW = 6.0  # cells at the tip are exp(NARROW) times as narrow as those at the ends
 
 
-UNITS = ("x", "nm"), ("J", "N/m"), ("psi", "rad")  # of an Edge
+EDGE_UNITS = ("x", "nm"), ("J", "N/m"), ("psi", "rad")  # of an Edge
 
 
 class Edge(NamedTuple):
@@ -54,8 +54,10 @@ def toughness(scene: Scene, psi: ArrayLike) -> NDArray[np.float64]:
     Example: `toughness(Scene(), [0.0, 0.5])`
     """
     angles = np.abs(np.asarray(psi, float))
-    if not (angles <= STEEPEST).all():
-        raise ValueError(f"psi = {angles.max():.3g} rad; allowed: up to {STEEPEST:.3g} either way; use a smaller angle")
+    if not (angles <= LARGEST_ANGLE).all():
+        raise ValueError(
+            f"psi = {angles.max():.3g} rad; allowed: up to {LARGEST_ANGLE:.3g} either way; use a smaller angle"
+        )
     if scene.phi_ratio == 0.0:
         raise ValueError("phi_ratio = 0: such an interface carries no shear; use a phi_ratio above 0")
     delta_t, opening = scene.delta_t / scene.delta_n, OPENING[scene.law]
@@ -109,7 +111,7 @@ def _tip(psi, ratio, delta_t, opening):
 def _cells(longer):
     """(the ends (m + 1,) of the cells, M (m, m) for a traction constant in each); the tip is in the middle one."""
     graded = np.sinh(NARROW * np.linspace(0.0, 1.0, CELLS // 2)) / np.sinh(NARROW)
-    ends = longer * BEHIND + longer * np.concatenate((-BEHIND * graded[:0:-1], AHEAD * graded))
+    ends = longer * BEHIND + longer * np.concatenate((-BEHIND * graded[:0:-1], OPEN * graded))
     ends[0] = 0.0
     y, s = np.sqrt(0.5 * (ends[1:] + ends[:-1]))[:, None], np.sqrt(ends)
     integral = (s**2 - y**2) * np.log(np.abs((y + s) / (y - s))) + 2.0 * y * s
@@ -174,6 +176,6 @@ def edges_over(frames) -> list[dict[str, float]]:
         with suppress(ValueError):
             row = {"U_x (nm)": frame.U_x}
             for side, edge in zip(("trailing", "leading"), release_rates(frame), strict=True):
-                row |= {f"{name}_{side} ({unit})": value for (name, unit), value in zip(UNITS, edge, strict=True)}
+                row |= {f"{name}_{side} ({unit})": value for (name, unit), value in zip(EDGE_UNITS, edge, strict=True)}
             rows.append(row)
     return rows

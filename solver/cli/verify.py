@@ -15,9 +15,9 @@ from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
 from .options import NOT_CONVERGED, InputError
 
-FIRST = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "slips"  # of a summary
+SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "slips"  # of a summary
 NUMBERS = "U_x", "delta", "F", "L", "A"  # of an event or a frame
-HOLDS = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
+NEEDED = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
 
 
 def add_verify(commands: Any) -> None:
@@ -35,9 +35,9 @@ def verify(arguments: argparse.Namespace) -> int:
     except InputError:
         raise
     except OSError as error:
-        raise InputError(f"{arguments.file!r}: {error.strerror}; {HOLDS}") from None
+        raise InputError(f"{arguments.file!r}: {error.strerror}; {NEEDED}") from None
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
-        raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {HOLDS}") from None
+        raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {NEEDED}") from None
     frames, failure = collected(load_path(scene, method=report["method"]))
     after = [frame for frame in frames if frame.stage != "approach"]
     arrays = fields_of(after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
@@ -85,7 +85,7 @@ def _read(file):
 def _numbers(report):
     """{quantity: values} of a summary with its events."""
     events = {f"events: {name}": [event[name] for event in report["events"] if name in event] for name in NUMBERS}
-    return {name: [report.get(name)] for name in FIRST} | events
+    return {name: [report.get(name)] for name in SUMMARY} | events
 
 
 def _difference(a, b):

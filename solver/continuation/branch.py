@@ -12,7 +12,7 @@ import numpy as np
 from .anderson import dot
 from .fold import FoldOptions, fold_near
 from .onset import mixed, onset
-from .state import MOVED, ORDER, TINY, End, Point, State
+from .state import MOVED, PAST, TINY, End, Point, State
 from .trace import lagrange
 
 # With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches
@@ -60,7 +60,7 @@ def _by_load(corrector, judge, state, target):
 def _on_branch(corrector, state, solution, mode, past):
     """The State of a Solution that follows `state` on its branch, after the points `past`, newest first."""
     v, load, residual = solution
-    past = [Point(load, v), *[p for p in past if p[0] != load][:ORDER]]
+    past = [Point(load, v), *[p for p in past if p[0] != load][: PAST - 1]]
     return State(load, v, past, state.secants, corrector.sharp, mode, residual=residual)
 
 

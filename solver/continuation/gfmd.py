@@ -11,13 +11,12 @@ import numpy as np
 from .motion import Creep, ExplicitMotion
 from .state import End, Increment, NotConverged, State, slipped
 
-BUDGET = 1_000_000  # most steps of an increment, of some 20 us each; a slip of the default takes 3,500
-
 
 class Gfmd:
     """Advances States of one problem by damped motion alone; the methods are those of `quasistatic.QuasiStatic`."""
 
-    def __init__(self, problem, damping, closed, budget=BUDGET):
+    def __init__(self, problem, damping, closed, budget=1_000_000):
+        """budget: most steps of an increment, of some 20 us each; a slip of the default takes 3,500."""
         self.problem, self.damping, self.closed, self.budget = problem, damping, closed, budget
 
     def increment(self, state, target) -> Increment:

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from .state import End, NotConverged
-from .transient import FINER, TooLong, Transient, Trial
+from .transient import DIVISORS, TooLong, Transient, Trial
 
 USUAL = Trial()
 HALF = Trial(2.0)  # over one barrier: half of the usual step
@@ -96,7 +96,7 @@ def _same(problem, state, other):
 def _moved(problem, end, trial, **how):
     """What `Transient.to_rest` returns, with the longest steps that lead there."""
     # with other steps a trial would be another one
-    for finer in FINER if trial is USUAL else FINER[:1]:
+    for finer in DIVISORS if trial is USUAL else DIVISORS[:1]:
         try:
             slower = trial._replace(finer=finer * trial.finer)
             return Transient(problem, end, slower, **how).to_rest()

@@ -6,7 +6,7 @@ import numpy as np
 
 from .corrector import Corrector
 from .problem import Stepper
-from .state import ORDER, Increment, Point, State
+from .state import PAST, Increment, Point, State
 from .trace import FEWEST_STATES, SAME_STATE, STENCIL, Branch, Trace
 
 
@@ -67,7 +67,7 @@ def _repeated(problem, state, target, trace):
     if not np.array_equal(v, guess):  # interpolation did not meet the tolerance: the trace takes the solution
         trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
     slips = trace.slips_between(state.load, target, problem.direction)
-    past = [(target, v)] if slips else [(target, v), *state.past[:ORDER]]
+    past = [(target, v)] if slips else [(target, v), *state.past[: PAST - 1]]
     reached = State(target, v, past, None, state.sharp, state.mode, False, solution.residual)
     return Increment(reached, slips, True), trace
 

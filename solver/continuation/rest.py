@@ -18,9 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .inverse import Inverse, orthonormalise
-from .state import TINY
+from .state import ROUND_OFF, TINY
 
-ROUND_OFF = 1e-9  # of the largest: eigenvalues and vectors with a smaller imaginary part, from round-off, count as real
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
 
 

@@ -9,10 +9,11 @@ from .anderson import Secants
 if TYPE_CHECKING:
     from .rest import Mode
 
+ROUND_OFF = 1e-9  # relative difference that round-off may make, of eigenvalues and of loads
 TINY = 1e-300  # nonzero, in place of a zero in a denominator
-# of the polynomial that extrapolates a branch in its load; 3 takes 2 % more evaluations (tests/bench/constants.py), and
-# leads to the same slips
-ORDER = 5
+# states of a branch by whose polynomial it is extrapolated in the load; with 4 a run takes 2 % more evaluations, and
+# has the same slips
+PAST = 6
 SHARP = 1e-9  # units, error of the load at the end of a branch: the accuracy asked for
 MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
 
@@ -45,7 +46,7 @@ class State(NamedTuple):
 
     load: float  # nm
     v: np.ndarray  # (size,) unknowns
-    past: list  # [(load, v)], ORDER + 1 at most, on this branch, newest first, this one included
+    past: list  # [(load, v)], PAST at most, on this branch, newest first, this one included
     secants: Secants | None = None
     sharp: np.ndarray | None = None  # v whose inverse tangent solves use, where Anderson steps alone failed
     mode: "Mode | None" = None  # the one that grows fastest, as judged last

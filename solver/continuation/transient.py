@@ -16,13 +16,13 @@ from .state import NotConverged, Restless, State
 
 # A "unit" is the problem's `unit`.
 STEPS = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
-START = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
+DEPARTURE = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
 # factor of the usual steps while the motion starts and moves less than a quarter of CRAWL between two checks.
 # Without that limit one slip in a thousand ended in another equilibrium
 SLOW = 3.0
 # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
 # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
-FINER = (1, 2, 4, 16)
+DIVISORS = (1, 2, 4, 16)
 # units between two checks: in the overdamped limit steps are halved where a state moves more. They are doubled,
 # up to 256 times the usual, where it moves less than a quarter of that
 CRAWL = 0.08
@@ -65,7 +65,7 @@ class Transient:
     def __init__(self, problem, end, trial, judge, damping, closed):
         self.problem, self.judge, self.damping, self.end = problem, judge, damping, end
         self.unit, self.trial, self.mode, self.sharper = problem.unit, trial, None, 1.0
-        self.away = START * self.unit * end.phi
+        self.away = DEPARTURE * self.unit * end.phi
         self.load, self.v = end.load, end.v + self.away / trial.nearer
         if trial.kick:
             self.v += trial.kick * self.unit * np.random.default_rng(1).normal(size=self.v.size)
@@ -144,7 +144,7 @@ class Transient:
 
     def _near_end(self, v):
         """Whether v is still close to the end of the branch: within four times the distance of the start."""
-        return self.end.located and bool(np.abs(v - self.end.v).max() < 4.0 * START * self.unit)
+        return self.end.located and bool(np.abs(v - self.end.v).max() < 4.0 * DEPARTURE * self.unit)
 
     def _rest_near(self):
         """The State that Anderson steps lead to; None if they fail, go too far, back or to an unstable state."""

@@ -15,7 +15,6 @@ from .frame import STAGES, Stage
 # delta_0 above first touch, where a retraction ends even if the punch still adheres: a punch on E = 0.5 GPa detaches at
 # 3.7 (phi_n 1, 128 nodes), softer layers would be stretched far beyond their linear range
 HIGHEST = 5.0
-ROUND_OFF = 1e-9  # increments, of a load
 
 
 @dataclass(frozen=True)

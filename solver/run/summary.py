@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..continuation.state import ROUND_OFF
 from ..mechanics.layer import Convolution, Modes
 from .frame import Frame, SlipEvent, largest_safe_damping, slides_in
-from .load_steps import ROUND_OFF, load_steps_of
+from .load_steps import load_steps_of
 
 
 def whole_surface(frame: Frame) -> NDArray[np.float64]:

@@ -14,7 +14,6 @@ from ...run.summary import summarize
 from ...scene import Scene
 from .point import DETACHES, NEVER_TOUCHES, STICKS, Point, at_slip, of_skeleton, touches
 
-LATER = 2  # slips after the first, while the run does not repeat itself: of sliding runs, 3 in 4 repeat after one, and
 EVALUATIONS = 300_000  # force evaluations, a hundred times those of the default: beyond, a point is given up
 
 
@@ -32,7 +31,8 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
             if frame.stage != "shear":
                 continue
             slips += len(slips_in(frame))
-            if (frame.index == 0 and not touches(frame)) or slips > LATER or (slips and frame.repeated):
+            # two slips after the first, while the run does not repeat itself: of sliding runs 3 in 4 repeat after one
+            if (frame.index == 0 and not touches(frame)) or slips > 2 or (slips and frame.repeated):
                 break
             if not slips and not smooth and frame.U_x >= scene.spacing:
                 smooth, skeleton = True, _skeleton(scene, checkpoint)
