@@ -7,7 +7,8 @@ all parameters:
     dG/dp = G_p + <y, T_p> + <x, r_p>,    y = G_T + C^T x.
 
 At a fold with null vectors phi and psi, dU/dp = -(<C^T psi, T_p> + <psi, r_p>)/<psi, R_U>. The state also moves along
-phi, so that the fold remains one.
+phi, so that the fold remains one: G changes by <G_v, phi> times -<psi, R_vp phi>/<psi, R_vv phi phi>. In the code
+C_psi is C^T psi, J_phi is dT/dv phi, and psi_R is <psi, R_U>.
 """
 
 from collections.abc import Sequence
@@ -245,10 +246,10 @@ class _Differentiator:
         share, by = (outputs[0, inner] - branch.start) / (branch.end - branch.start), {}
         for change, (T_p, r_p) in zip(self.changes, self.by_parameters(states), strict=True):
             ends = start[change.name] if start else 0.0, fold.by[change.name][0] if fold else 0.0
-            load = (1.0 - share) * ends[0] + share * ends[1]
+            dU = (1.0 - share) * ends[0] + share * ends[1]
             G_p = explicit(self.scene, outputs[1:, inner], change)
             dG = G_p + np.einsum("kiam,kam->ik", y, T_p) + np.einsum("kis,ks->ik", x, r_p)
-            by[change.name] = np.array([load, *(dG + slope[:, inner] * load)])
+            by[change.name] = np.array([dU, *(dG + slope[:, inner] * dU)])
         if fold:
             outputs[:, -1] = fold.values
             by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
@@ -265,26 +266,26 @@ class _Differentiator:
         state = _State(linearised, at.solves, problem.traction(fold.v))
         outputs, G_T = np.array(forces_and_area(scene, state.T)), gradients(scene, state.T)
         G_v = np.array([linearised.by_unknowns(each) for each in G_T])
-        back = (G_v @ at.phi) / (at.slopes @ at.phi)  # movement along phi that keeps the fold a fold
-        sides = np.append(back[:, None] * at.slopes - G_v, np.zeros((3, 1)), axis=1)
+        along = (G_v @ at.phi) / (at.slopes @ at.phi)  # dG by the movement along phi that keeps the fold a fold
+        sides = np.append(along[:, None] * at.slopes - G_v, np.zeros((3, 1)), axis=1)
         x = np.array([at.solves(side, True)[:-1] for side in sides])
         y = G_T + np.array([linearised.by_traction(each) for each in x])
-        bent, left = linearised.pull(at.phi), linearised.by_traction(at.psi)  # J phi and C^T psi
-        speed = at.psi @ problem.direction
-        bending = spectra(bent[None], self.contact.part, scene.nodes)
+        J_phi, C_psi = linearised.pull(at.phi), linearised.by_traction(at.psi)
+        psi_R = at.psi @ problem.direction
+        bending = spectra(J_phi[None], self.contact.part, scene.nodes)
         by = {}
         for change, ((T_p,), (r_p,)) in zip(self.changes, self.by_parameters([state]), strict=True):
-            load = -(np.sum(left * T_p) + at.psi @ r_p) / speed
+            dU = -(np.sum(C_psi * T_p) + at.psi @ r_p) / psi_R
             (J_p,) = change.stiffness(linearised.u[None])
-            turned = np.sum(left * linearised.pull(at.phi, J_p))  # <psi, R_vp phi>
-            turned += np.sum(at.psi[: bent.size].reshape(1, *bent.shape) * change.complied(bending))
-            dG = explicit(scene, outputs, change) + (y * T_p).sum(axis=(1, 2)) + x @ r_p - back * turned
-            by[change.name] = np.array([load, *dG])
+            psi_vp_phi = np.sum(C_psi * linearised.pull(at.phi, J_p))
+            psi_vp_phi += np.sum(at.psi[: J_phi.size].reshape(1, *J_phi.shape) * change.complied(bending))
+            dG = explicit(scene, outputs, change) + (y * T_p).sum(axis=(1, 2)) + x @ r_p - along * psi_vp_phi
+            by[change.name] = np.array([dU, *dG])
         held = (problem.scale if self.held else 0.0) * self.pressure_nodes
-        load = -((left * state.T).sum(axis=0) - at.psi[-1] * held) / speed
-        dG = (y * state.T).sum(axis=1) - np.outer(x[:, -1], held) - np.outer(back, (left * bent).sum(axis=0))
+        dU = -((C_psi * state.T).sum(axis=0) - at.psi[-1] * held) / psi_R
+        dG = (y * state.T).sum(axis=1) - np.outer(x[:, -1], held) - np.outer(along, (C_psi * J_phi).sum(axis=0))
         F_bar, L_bar, A_bar = outputs.tolist()
         event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
         nodes = np.zeros((4, scene.nodes))
-        nodes[:, self.contact.part] = np.vstack([load, dG])
+        nodes[:, self.contact.part] = np.vstack([dU, dG])
         return _Fold(event, by, nodes)
