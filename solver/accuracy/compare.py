@@ -85,7 +85,6 @@ class Point:
 def refined(scene: Scene) -> Scene:
     """The scene with a tenth of both increments, or the smallest part in range."""
     for name in ("du_x", "du_z"):
-        # divisors for the reference: the first one in range
         parts = [getattr(scene, name) / divisor for divisor in (10, 5, 2, 1)]
         scene = scene.changed(**{name: in_range(scene, name, parts)[0]})
     return scene
@@ -157,9 +156,8 @@ def on_branch(curves: Curves, best: Curves) -> list[float | None]:
     if not both:
         return [None] * len(CURVES)
     scale = np.maximum(np.abs(list(best.rows.values())).max(axis=0), NOTHING)
-    # of the larger of F and L: the least scale of the error of a force that stays below, as L on the flat does. So its
-    # relative error is at most 100 times that of the other force
-    scale[:2] = np.maximum(scale[:2], 0.01 * scale[:2].max())  # F and L share a unit
+    # F and L share a unit. The error of a force below 1 % of the other, as L on the flat, is compared with that 1 %
+    scale[:2] = np.maximum(scale[:2], 0.01 * scale[:2].max())
     errors = np.abs([np.subtract(curves.rows[at], best.rows[at]) for at in both]).max(axis=0)
     return (errors / scale).tolist()
 

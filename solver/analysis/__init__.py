@@ -1,5 +1,9 @@
 """Evaluations of frames and skeletons. No run needs them.
 
+partial, outputs, sensitivities
+                               derivatives of slips and curves by parameters and by nodes
+measurement, prediction, trial, fit
+                               parameters from a measured curve
 interior                       stress and displacement inside the layer, mode by mode
 friction_laws, area_laws       onset of sliding, critical moduli, force curves of flats; fits of Eqs. 8 and 9
 regimes                        scenes of flats over stiffness and strength

@@ -205,7 +205,7 @@ def _of_parameters(model, trial, errors, correlations):
     size = np.linalg.norm(trial.jacobian, axis=0)
     at_end = np.minimum(x - low, high - x) <= 1e-9 * np.maximum(1.0, np.abs(x))  # scipy stays 1e-10 of it inside
     for i, name in enumerate(free):
-        # a 95 % interval contains 0
+        # from an error of half the value on, the 95 % interval contains 0
         vague = errors[i] > 0.5 * abs(x[i]) and name not in ("offset_U", "offset_F", "delta_bar")
         if vague or at_end[i] or size[i] <= TINY:
             found = f"{x[i]:.4g} +- {errors[i]:.2g}" + ", at the end of its range" * bool(at_end[i])

@@ -20,8 +20,8 @@ def flat(scene) -> Scene:
 def sliding(scene, E) -> Scene:
     """The flat at modulus E, GPa, sheared over two periods of steady sliding; raises SceneError."""
     stiffer = scene.changed(E=float(f"{E:.6g}"))
-    # where springs bear tau_max, the flat slips at the latest. Slips land between two
-    # increments: with 1 in place of 2.5 and fewer of them, means change by up to 2 %
+    # The flat slips at the latest where springs bear tau_max. Slips land between two increments: over a shorter path
+    # with fewer slips, means change by up to 2 %.
     end = 2.5 * tau_max(scene) * stiffer.shear_compliance + 3.0 * scene.spacing
     # slips are located, however long the increments
     return stiffer.changed(u_x_max=float(f"{min(end, 1e4):.6g}"), du_x=0.2)

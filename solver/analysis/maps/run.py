@@ -31,7 +31,8 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
             if frame.stage != "shear":
                 continue
             slips += len(slips_in(frame))
-            # two slips after the first, while the run does not repeat itself: of sliding runs 3 in 4 repeat after one
+            # two slips after the first, while the run does not repeat itself: of sliding runs 3 in 4 repeat after one,
+            # and nearly all others after two or three
             if (frame.index == 0 and not touches(frame)) or slips > 2 or (slips and frame.repeated):
                 break
             if not slips and not smooth and frame.U_x >= scene.spacing:
@@ -77,8 +78,7 @@ def _at_slip(sheared, k, skeleton):
     """Fields of a Point from a run with its first slip in Frame `k`; the numbers are those of the run."""
     event, before, after = slips_in(sheared[k])[0], sheared[max(0, k - 1)], sheared[k]
     end = next(iter(slips_in(skeleton)), None) if skeleton else None
-    # nearly all others after two or three nm, within which a skeleton must agree with its run on the first slip: both
-    # are right to some 1e-5 nm, and other slips lie lattice periods away
+    # skeleton and run are right to some 1e-5 nm, and other slips lie lattice periods away
     if end and abs(end.load - event.load) < 1e-3:  # states just before and after it, rather than some du_x away
         before, after = skeleton.frames([end.load, np.nextafter(end.load, np.inf)])
     branches = len(skeleton.branches) if skeleton else 0
