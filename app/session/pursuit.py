@@ -287,6 +287,7 @@ class Pursuit:
             log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
             if self.session.scene == scene:
                 how = f"by {off_U:.2g} nm at a slip" if isfinite(off_U) else "by a slip more or less"
+                how = how if off_U > AGREE_U else f"by {100 * off_F:.2g} % of the largest force"
                 self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
                 self.session.publish()
 

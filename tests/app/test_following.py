@@ -2,6 +2,7 @@
 
 import zlib
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
@@ -226,15 +227,23 @@ def test_a_new_drag_cancels_the_exact_run(page, runs):
     assert task.cancelled() and page.pool.waiting(following.followed)
 
 
-def test_a_wrong_prediction_is_counted_and_reported(page, runs):
+@pytest.mark.parametrize(
+    ("off", "text"),
+    [
+        ((0.02, 0.01), "by 0.02 nm at a slip"),
+        ((0.0, 0.9), "by 90 % of the largest force"),
+        ((inf, inf), "by a slip more or less"),
+    ],
+)
+def test_a_wrong_prediction_is_counted_and_reported_by_the_quantity_that_was_wrong(page, runs, off, text):
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
     page.order("release")
     page.pool.answer(page, worker.compute, whole_run(NEXT))
     before = metrics.counted("disagreed")
-    page.pool.answer(page, following.compared, (0.02, 0.01))
+    page.pool.answer(page, following.compared, off)
     assert metrics.counted("disagreed") == before + 1
-    assert page.status()["notes"][0].startswith(OFF) and "0.02 nm" in page.status()["notes"][0]
+    assert page.status()["notes"][0].startswith(f"{OFF} was off {text};")
 
 
 def test_exact_run_starts_at_once_if_a_prediction_fails_and_the_reason_is_counted(page):

@@ -1,7 +1,7 @@
 """The first look: one idea in sight, and what *More* and the tour add to it."""
 
 import pytest
-from served import PATIENCE, finished, from_menu, laid_out
+from served import FAULTS, PATIENCE, finished, from_menu, laid_out
 from tabs import imported
 
 MOST = 16  # controls and marks at first sight
@@ -60,6 +60,8 @@ def test_more_adds_its_parts_at_once_and_takes_them_away_again(look):
         page.locator(part).first.wait_for()
     assert visible(page, MORE) == list(MORE) and "more=1" in page.url
     assert page.locator("#sentence .term").count()
+    laid_out(page)
+    assert page.evaluate(FAULTS) == []
     page.get_by_role("button", name="More").click()
     page.locator("#lens").wait_for(state="hidden")
     assert visible(page, MORE) == [] and "more=1" not in page.url

@@ -84,10 +84,9 @@ export function image(renderer, values, shape) {
 }
 
 // At every painting Bokeh does work that changes nothing here. For each colour, font and width it looks for a style
-// --bk-* of the page, but this page has none. For each thing drawn it writes a style sheet for an element that holds
-// nothing. For each axis it asks for a size of the page's text, which only sizes in em need.
-// Together that was most of a painting. Bokeh also leaves half a pixel at the top and the left as it was, and strokes
-// the ticks painted last with the outline.
+// --bk-* of the page, but this page has none. For each thing drawn it places an element that holds nothing. For each
+// axis it asks for a size of the page's text, which only sizes in em need. Together that was most of a painting. Bokeh
+// also leaves half a pixel at the top and the left as it was, and strokes the ticks painted last with the outline.
 // methods of a visual, a plot
 const STYLES = "_get_css_value", ALL = "_paint_primary", SIZE = "base_font_size"
 // of anything drawn, of a glyph
@@ -99,6 +98,7 @@ function prepare(view) {
   keepRanges(view)
   for (const renderer of view.renderer_views.values()) {
     renderer.update_position = idle
+    renderer.el.style.display = "none"
     if (renderer.glyph) lighten(renderer)
     if (renderer.model.ticker && renderer.model.formatter) keepAxis(renderer)
   }
