@@ -21,6 +21,8 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     from_menu(page, "#pin")
     chip = page.locator(".chip")
     chip.wait_for()
+    name = chip.get_by_role("button", name="Show")
+    assert name.evaluate("(e) => (({ color, backgroundColor }) => color !== backgroundColor)(getComputedStyle(e))")
     page.focus("#E")
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
@@ -36,11 +38,10 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     assert style == page.evaluate(
         "['--pin-1', '--pin-1-dash'].map((name) => getComputedStyle(document.documentElement).getPropertyValue(name))"
     )
-    show = chip.get_by_role("button", name="Show")
-    show.press("Enter")
+    name.press("Enter")
     page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
-    assert show.get_attribute("aria-pressed") == "false"
-    show.press("Space")
+    assert name.get_attribute("aria-pressed") == "false"
+    name.press("Space")
     chip.get_by_role("button", name="Remove Stick, peel, slip").press("Enter")
     page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
     assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "menu"
