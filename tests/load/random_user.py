@@ -1,9 +1,10 @@
 """A user who does anything: clicks, drags, keys, sizes and pages at random, while console, log and screen are watched.
 
-`python tests/load/random_user.py --minutes 10 [--seed N] [--json FILE]` starts the server itself, on loopback. Every
-few actions the user waits for the run and compares what the page shows: sliders with entries and with the scene of
-the run, sentence and curves with its frames, chips with pins. It prints errors, contradictions and the actions that
-led to each. The seed decides on the actions, but not on how far runs have come when they happen.
+`python tests/load/random_user.py --minutes 10 [--seed N] [--touch] [--json FILE]` starts the server itself, on
+loopback; with --touch the user has a phone. Every few actions the user waits for the run and compares what the page
+shows: sliders with entries and with the scene of the run, sentence and curves with its frames, chips with pins. It
+prints errors, contradictions and the actions that led to each. The seed decides on the actions, but not on how far runs
+have come when they happen.
 """
 
 import argparse
@@ -22,6 +23,7 @@ from served import TROUBLE, Server
 
 BROWSER = ["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--disable-background-networking"]
 SIZES = (1440, 900), (1280, 720), (820, 1180), (390, 844), (844, 390), (720, 450), (1920, 1080), (400, 300)
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True, "device_scale_factor": 2}
 KEYS = (
     *("Space", "ArrowLeft", "ArrowRight", "Shift+ArrowRight", "Home", "End", "[", "]", "r", "p", "l", "c", "m", "?"),
     *("Escape", "Tab", "Shift+Tab", "Enter", "Control+z", "Control+Shift+z", "ArrowUp", "ArrowDown"),
@@ -84,6 +86,8 @@ WRONG = """async () => {
 class User:
     """One browser tab, and what is wrong with it."""
 
+    sizes = SIZES
+
     def __init__(self, page, server, seed):
         self.page, self.server, self.random = page, server, random.Random(seed)
         self.done, self.count, self.found, self.loud = [], Counter(), [], 0
@@ -111,9 +115,23 @@ class User:
         x, y = (min(max(at, 1), most - 2) for at, most in zip(found[:2], (size["width"], size["height"]), strict=True))
         return x, y
 
+    def tap(self, x, y, times=1):
+        self.page.mouse.click(x, y, click_count=times)
+
+    def stroke(self, places):
+        """Draw the pointer along some places, pressed."""
+        self.page.mouse.move(*places[0])
+        self.page.mouse.down()
+        for place in places[1:]:
+            self.page.mouse.move(*place)
+        self.page.mouse.up()
+
+    def hover(self, x, y):
+        self.page.mouse.move(x, y)
+
     def click(self):
         if place := self.at("button, input[type=checkbox], #row label, #chosen label, #one label, .mark, summary"):
-            self.page.mouse.click(*place)
+            self.tap(*place)
 
     def press(self):
         key = self.random.choice(KEYS)
@@ -124,13 +142,11 @@ class User:
         place = self.at("input[type=range], #punch-view, #lens")
         if not place:
             return
-        self.page.mouse.move(*place)
-        self.page.mouse.down()
-        x, y = place
+        places = [place]
         for _ in range(self.random.randint(1, 25)):
-            x, y = x + self.random.uniform(-25, 25), y + self.random.uniform(-8, 8)
-            self.page.mouse.move(x, y)
-        self.page.mouse.up()
+            x, y = places[-1]
+            places.append((x + self.random.uniform(-25, 25), y + self.random.uniform(-8, 8)))
+        self.stroke(places)
 
     def choose(self):
         self.page.evaluate(
@@ -147,12 +163,12 @@ class User:
         if place := self.at("input[type=text], input[type=search]"):
             text = self.random.choice(TYPED)
             self.done[-1] += f" {text[:12]}"
-            self.page.mouse.click(*place, click_count=3)
+            self.tap(*place, times=3)
             self.page.keyboard.type(text)
             self.page.keyboard.press(self.random.choice(("Enter", "Tab", "Escape")))
 
     def resize(self):
-        width, height = self.random.choice(SIZES)
+        width, height = self.random.choice(self.sizes)
         self.done[-1] += f" {width} x {height}"
         self.page.set_viewport_size({"width": width, "height": height})
 
@@ -164,10 +180,10 @@ class User:
 
     def point(self):
         if place := self.at(".view"):
-            x, y = (at + self.random.uniform(-60, 60) for at in place)
-            self.page.mouse.move(max(x, 0), max(y, 0))
+            x, y = (max(at + self.random.uniform(-60, 60), 0) for at in place)
+            self.hover(x, y)
             if self.random.random() < 0.6:
-                self.page.mouse.click(max(x, 0), max(y, 0))
+                self.tap(x, y)
 
     def history(self):
         self.page.evaluate("(way) => history.go(way)", self.random.choice((-1, -1, 1)))
@@ -218,11 +234,38 @@ class User:
             self.open()
 
 
+class Phone(User):
+    """The same with a finger, on a phone that is turned at times."""
+
+    sizes = (390, 844), (844, 390)
+
+    def tap(self, x, y, times=1):
+        self.page.touchscreen.tap(x, y)
+        if times > 1:
+            self.page.keyboard.press("Control+a")
+
+    def stroke(self, places):
+        """Draw a finger along some places."""
+        finger = self.page.context.new_cdp_session(self.page)
+        for i, (x, y) in enumerate(places):
+            points = [{"x": x, "y": y}]
+            finger.send("Input.dispatchTouchEvent", {"type": "touchMove" if i else "touchStart", "touchPoints": points})
+        finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        finger.detach()
+
+    def hover(self, x, y):
+        """A finger points at nothing without touching it."""
+
+    def press(self):
+        """A phone has no keys while no entry is open."""
+
+
 def visit(server, options):
     """Actions of one user until the time is over: what was done, and what was wrong."""
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=which("chromium"), args=BROWSER)
-        user = User(browser.new_page(), server, options.seed)
+        page = browser.new_page(**(PHONE if options.touch else {}))
+        user = (Phone if options.touch else User)(page, server, options.seed)
         user.open()
         end = time.monotonic() + 60.0 * options.minutes
         while time.monotonic() < end:
@@ -235,6 +278,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0, help="at most 60")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--touch", action="store_true", help="with a finger on a phone")
     parser.add_argument("--json", help="file for what was found")
     options = parser.parse_args()
     options.minutes = min(options.minutes, 60.0)

@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SMALLEST = {  # tool: (arguments, what it prints)
+SMALLEST = {  # tool and option: (arguments, what it prints)
     "load/classroom": (["--visitors", "1", "--seconds", "4"], "loop lag"),
     "load/hostile": (["--messages", "20", "--clients", "1", "--visitors", "1"], "visitors stuck             []"),
     "load/arrivals": (["--pages", "1", "--within", "1"], "errors                     []"),
     "load/random_user": (["--minutes", "0.1", "--seed", "3"], "errors                     []"),
+    "load/random_user --touch": (["--minutes", "0.1", "--seed", "3"], "errors                     []"),
     "bench/latency": (["--moves", "1"], "whole new curve"),
 }
 
@@ -20,8 +21,8 @@ SMALLEST = {  # tool: (arguments, what it prints)
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", SMALLEST)
 def test_a_load_tool_starts_its_server_and_prints_its_figure(name):
-    arguments, figure = SMALLEST[name]
-    command = [sys.executable, ROOT / "tests" / f"{name}.py", *arguments]
+    (tool, *option), (arguments, figure) = name.split(), SMALLEST[name]
+    command = [sys.executable, ROOT / "tests" / f"{tool}.py", *option, *arguments]
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
     assert figure in ended.stdout
