@@ -105,6 +105,20 @@ def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
 
 
 @pytest.mark.thorough
+def test_no_figure_waits_for_a_finger_that_has_dragged_the_punch(visit):
+    """Bokeh took the next finger for a second one, and raised an error when it rested."""
+    page = visit("?more=0", viewport={"width": 390, "height": 844}, has_touch=True)
+    finished(page)
+    finger, punch = page.context.new_cdp_session(page), page.locator("#punch-view").bounding_box()
+    for kind, aside in (("touchStart", 0), ("touchMove", 10), ("touchMove", 60), ("touchEnd", None)):
+        points = [] if aside is None else [{"x": 120 + aside, "y": punch["y"] + 100}]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    page.wait_for_function("punch.drawn > punch.run.sheared && !punch.following")
+    view = f"Bokeh.index.find_one({MODEL.format('punch')}).canvas_view"
+    assert page.evaluate(f"{view}.ui_event_bus.ui_gestures.pointers.size") == 0
+
+
+@pytest.mark.thorough
 def test_an_error_message_leaves_slider_widths_unchanged(look):
     page = look()
     finished(page)

@@ -40,6 +40,9 @@ export function release(document) {
   for (const [type, call] of listeners.splice(0)) visualViewport.removeEventListener(type, call)
   document.freeze_all_models(() => {})
 }
+// A figure waits for the end of a pointer that another element has captured, and takes the next finger for a second one
+export const dropPointer = (figure, pointerId) =>
+  viewOf(figure).canvas_view.events_el.dispatchEvent(new PointerEvent("pointercancel", { pointerId }))
 export const onChange = (model, property, call) => model.properties[property].change.connect(call)
 export const onMessage = (model, call) => model.document.on_message("message", call)
 export const onEvent = (model, name, call) => model.on_event(name, call)

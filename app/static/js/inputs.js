@@ -1,7 +1,7 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
 import { namesScene, redo, undo } from "./address.js"
-import { onEvent } from "./bokeh.js"
+import { dropPointer, onEvent } from "./bokeh.js"
 import { sendFile } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, on, onDrag, readdress, say } from "./dom.js"
@@ -41,6 +41,7 @@ function connectHand() {
       from.way = Math.abs(dx) > Math.abs(dy) ? "along" : upright
       if (from.way === "scrolls") return
       view.setPointerCapture(event.pointerId)
+      dropPointer(figures.punch, event.pointerId)
       view.dataset.dragged = from.way
     }
     if (from.way === "along") pull(from.along, dx)
