@@ -54,14 +54,14 @@ def work_precision(
             at = [max(getattr(p, work), LEAST) for p in own], errors
             values = [f"{p.value:g}" for p in own]
             look = {"color": colour, "alpha": alpha}
-            value = hv.Dimension(swept, label=f"{swept} ({LIMITS[swept].unit})")
-            marks = hv.Points((*at, values), [kdim, vdim], value)
-            labels = hv.Labels((*at, [f"   {each}" if alpha == 1.0 else "" for each in values]), [kdim, vdim], "beside")
+            marks = hv.Points((*at, values), [kdim, vdim], hv.Dimension(swept, label=f"{swept} ({LIMITS[swept].unit})"))
             parts += [
                 hv.Curve(at, kdim, vdim, label=name if alpha == 1.0 else "").opts(**look),
                 marks.opts(size=9, marker=marker, tools=["hover"], **look),
-                labels.opts(text_color=colour, text_font_size="9pt", xoffset=0.0, text_align="left"),
             ]
+            if alpha == 1.0:
+                labels = hv.Labels((*at, [f"   {each}" for each in values]), [kdim, vdim], "beside")
+                parts += [labels.opts(text_color=colour, text_font_size="9pt", xoffset=0.0, text_align="left")]
     return _live(parts, logx=True, logy=True, padding=0.15)
 
 

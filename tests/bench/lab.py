@@ -28,7 +28,7 @@ DRAWN = f"""() => {{
     return figures.length && figures.every((figure) => Bokeh.index.find_one(figure)?.frame?.bbox.width > 0)
 }}"""
 POINT = f"""(alpha) => {MODELS}.some(({{ type, glyph, data_source }}) => type === "GlyphRenderer"
-    && glyph.type === "Scatter" && glyph.fill_alpha.value === alpha && data_source.get_length() > 0)"""
+    && glyph.type === "Scatter" && glyph.fill_alpha?.value === alpha && Object.values(data_source.data)[0]?.length)"""
 PALE, OWN = 0.3, 1.0  # opacity of stored points and of those of the scene
 ROUNDS = 3  # drags with and without another visitor, in turn
 
@@ -81,6 +81,7 @@ def drags(browser, server, moves):
     tab, ages = browser.new_page(viewport={"width": 1440, "height": 900}), {False: [], True: []}
     tab.set_default_timeout(PATIENCE)
     tab.goto(f"{server.address}?E=70.5")
+    tab.wait_for_function("() => window.punch?.status.state === 'finished'")
     for turn in range(2 * ROUNDS):
         busy = turn % 2 == 1
         other = opened(browser, f"{server.address}?lab=accuracy&E={71 + turn}")[0] if busy else None
