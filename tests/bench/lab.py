@@ -87,6 +87,7 @@ def drags(browser, server, moves):
         other = opened(browser, f"{server.address}?lab=accuracy&E={71 + turn}")[0] if busy else None
         if other:
             other.wait_for_function(POINT, arg=OWN)
+        tab.bring_to_front()  # a tab in the background is not drawn
         settle(tab)
         ages[busy].append(drag(tab, "delta_bar", 1 if turn % 4 < 2 else -1, moves, [])["age p50"])
         if other:
