@@ -17,7 +17,7 @@ from app.limits import FLAT
 from solver import Frame, Scene
 from solver.files import plain
 from solver.following.skeleton import Skeleton
-from solver.run.frame import STAGES, moving
+from solver.run.frame import STAGES, Stage
 from solver.run.load_steps import abscissa, lifts, load_steps_of, position
 from solver.scene import PARAMETERS
 
@@ -115,7 +115,7 @@ def _of_scene(scene):
         "middle": scene.width / 2,
         "columns": COLUMNS + ("path",) * bool(scene.legs),
         "stages": (stages := stages_of(scene)),
-        "along": [moving(stage) for stage in stages],
+        "along": [Stage(stage).moves for stage in stages],
         "abscissa": along,
         "step": {"delta": du_z, "U_x": du_x, "path": hypot(du_x, du_z)}[along],
         "span": _span(scene),

@@ -49,11 +49,6 @@ class Stage(str):
         return STAGES[self.kind][0]
 
 
-def moving(stage: str) -> str:
-    """What changes along a stage of that name."""
-    return Stage(stage).moves
-
-
 @dataclass(frozen=True)
 class SlipEvent:
     """The end of a branch: load U_x (or delta, in approach and retraction) in nm, and F_bar, L_bar, A_bar just before.
