@@ -24,8 +24,8 @@ from solver.analysis.toughness import toughness
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
+from solver.run import summary
 from solver.run.film import through
-from solver.run.frame import slides_in
 from solver.run.loadpath import Checkpoint, Run, deadline
 
 LONGEST_FILE = 60.0  # s of work on a file
@@ -61,9 +61,9 @@ def closed_forms(scene: Scene) -> list[dict[str, Any]]:
 def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str | None:
     """Return {"U" (nm), "F", "L" (N/m)} of the first slip of a run, None without one; a Part; or why it failed."""
     frames, checkpoint = advance(scene, state, SLICE, limit=worker.SLOW)
-    for frame in frames:
-        if slips := slides_in(frame):
-            return {"U": slips[0].load, "F": slips[0].F_bar * frame.unit, "L": slips[0].L_bar * frame.unit}
+    if found := summary.first_slip(frames):
+        frame, slip = found
+        return {"U": slip.load, "F": slip.F_bar * frame.unit, "L": slip.L_bar * frame.unit}
     if not checkpoint.done:
         return Part(checkpoint)
     return str(NotConverged(checkpoint.failure)) if checkpoint.failure else None

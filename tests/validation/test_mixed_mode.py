@@ -1,4 +1,4 @@
-"""Adhesion with shear against linear fracture mechanics; `python tests/validation/mixed_mode.py` prints all cases."""
+"""Adhesion with shear against linear fracture mechanics; `python tests/validation/mixed_mode.py` adds the finest."""
 
 from math import pi, sqrt
 
