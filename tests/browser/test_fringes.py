@@ -1,7 +1,7 @@
 """The stress in the punch in Chromium: fringes, and components with their sign."""
 
 import pytest
-from served import finished, values_are
+from served import finished, laid_out, values_are
 
 pytestmark = [pytest.mark.thorough]
 KEY = "document.getElementById('fringe-most').textContent"
@@ -18,6 +18,29 @@ def test_stress_per_fringe_changes_only_when_the_user_chooses_it(visit):
     assert page.evaluate(KEY) == "0.6 GPa"
     page.locator("#fringe").evaluate("(of) => { of.value = '0.5'; of.dispatchEvent(new Event('change')) }")
     page.wait_for_function(f"{KEY} === '1.5 GPa'")
+
+
+WHOLE = """() => {
+    const key = document.querySelector(".hero .key"), [of, around] = [document.querySelector(".of-fringe"), key]
+        .map((element) => element.getBoundingClientRect())
+    return of.width > 0 && of.right <= around.right && of.bottom <= around.bottom + 1
+        && key.scrollWidth <= key.clientWidth
+}"""
+
+
+SCREENS = (1440, 900), (1366, 768), (1280, 720), (390, 844)
+
+
+@pytest.mark.parametrize(
+    ("query", "sizes"), [("?more=0", (*SCREENS, (1180, 820))), ("?more=0&view=projector", SCREENS)]
+)
+def test_the_scale_of_the_fringes_is_in_sight_on_every_screen(look, query, sizes):
+    page = look(query)
+    finished(page)
+    for width, height in sizes:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        assert page.evaluate(WHOLE), (width, height)
 
 
 # [r, g, b, a] of the lowest painted pixel of a column at a fraction of the width of the plot: just above the surface

@@ -22,7 +22,8 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     chip = page.locator(".chip")
     chip.wait_for()
     name = chip.get_by_role("button", name="Show")
-    assert name.evaluate("(e) => (({ color, backgroundColor }) => color !== backgroundColor)(getComputedStyle(e))")
+    legible = "(e) => (({ color, backgroundColor }) => color !== backgroundColor)(getComputedStyle(e))"
+    page.wait_for_function(legible, arg=name.element_handle())
     page.focus("#E")
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
