@@ -22,8 +22,10 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     chip = page.locator(".chip")
     chip.wait_for()
     name = chip.get_by_role("button", name="Show")
-    legible = "(e) => (({ color, backgroundColor }) => color !== backgroundColor)(getComputedStyle(e))"
-    page.wait_for_function(legible, arg=name.element_handle())
+    page.wait_for_function("""() => {  // chips are made anew at each change
+        const { color, backgroundColor } = getComputedStyle(document.querySelector(".chip button"))
+        return color && color !== backgroundColor
+    }""")
     page.focus("#E")
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
