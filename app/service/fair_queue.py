@@ -10,8 +10,8 @@ PATIENCE = 20.0  # s beyond a task's own limit; then its process is killed. A bu
 NOBODY = "the server"  # owner of the tasks that no visitor waits for
 # Purpose of a task: the screen; the exact run of a picture; an expensive one for the screen; anything else
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
-# s of waiting that equal one rank: while sliders are dragged all the time, slow runs still get turns. With 2, a class of
-# 30 that drags on two cores gets half of the pictures, as exact runs take the workers
+# s of waiting that equal one rank: while sliders are dragged all the time, slow runs still get turns. With 2 s, a class
+# of 30 that drags on two cores gets half of the pictures, as exact runs take the workers
 AGEING = 6.0
 
 
