@@ -6,14 +6,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import cycle
 from math import isfinite
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import holoviews as hv
 import numpy as np
 
 from .analysis.friction_laws import Onset
 from .plots import drawn_with
 from .scene import LIMITS, Scene
+
+if TYPE_CHECKING:
+    import holoviews as hv
 
 METHODS = {"fast": ("#0072B2", "circle"), "gfmd": ("#D55E00", "square")}  # colour and marker of each
 WORKS = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
@@ -45,6 +47,8 @@ def work_precision(
 
     points: as of `accuracy.compare.Point`; before: other runs, drawn pale; error, label: of the vertical axis.
     """
+    import holoviews as hv
+
     kdim, vdim = hv.Dimension(work, label=WORKS[work]), hv.Dimension("error", label=label)
     parts = []
     for runs, alpha in ((before, 0.3), (points, 1.0)):
@@ -68,6 +72,8 @@ def work_precision(
 @drawn_with("bokeh")
 def curves(drawn: Mapping[str, tuple[Sequence[float], Sequence[float]]], x: str, y: str) -> hv.Overlay:
     """Curves {label: (x, y)} with a legend; x, y: labels of the axes."""
+    import holoviews as hv
+
     kdim, vdim = hv.Dimension("x", label=x), hv.Dimension("y", label=y)
     parts = [
         hv.Curve(drawn.get(label, ([], [])), kdim, vdim, label=label).opts(
@@ -84,6 +90,8 @@ def mean_curve(exact: Any, runs: Mapping[float, float], own: float, critical: fl
 
     own: E/tau_max of a scene; critical: from which on sliding is smooth; both inf without friction.
     """
+    import holoviews as hv
+
     kdim, vdim = hv.Dimension("ratio", label="E/τₘₐₓ"), hv.Dimension("mean", label="⟨F⟩/(w τₘₐₓ)")
     ratios, means = exact or ([], [])
     at = [own] if exact and isfinite(own) else []
@@ -107,6 +115,8 @@ def friction_map(
     slopes: tau_max and the critical modulus over phi_t, GPa m/N; moduli, strengths: ends of the axes.
     The line is the critical modulus: stick-slip to its left, continuous sliding to its right.
     """
+    import holoviews as hv
+
     E, phi_t = (np.geomspace(*ends, 120) for ends in (moduli, strengths))
     ratios, means = exact or (np.ones(1), np.zeros(1))
     over = E / (phi_t[:, None] * slopes[0])
@@ -130,6 +140,8 @@ def friction_map(
 @drawn_with("bokeh")
 def area_curves(runs: Mapping[float, Onset], laws: Mapping[float, Any]) -> hv.Overlay:
     """A_bar over F_bar of each Onset {delta_bar: Onset}, its QuadraticLaw or None of `laws`, and where it slips."""
+    import holoviews as hv
+
     kdim, vdim = hv.Dimension("F", label="F̄ (10⁻³)"), hv.Dimension("A", label="Ā (10⁻³)")
     drawn = [(law, runs[depth].F) for depth, law in laws.items() if law]
     measured = _joined([(1e3 * run.F, 1e3 * run.A) for run in runs.values()])
@@ -148,6 +160,8 @@ def thresholds(series: Mapping[str, Mapping[float, Onset]], line_of: Callable[[A
 
     Slips from delta_bar = beyond on are crosses: they are not part of the law.
     """
+    import holoviews as hv
+
     kdims, parts = [hv.Dimension("F", label="F̄ (10⁻³)"), hv.Dimension("A", label="Ā (10⁻³)")], []
     for (name, runs), marker, colour in zip(series.items(), cycle(MARKERS), cycle(COLOURS)):
         law, slips = line_of(runs), _slips(runs)
@@ -165,6 +179,8 @@ def thresholds(series: Mapping[str, Mapping[float, Onset]], line_of: Callable[[A
 @drawn_with("bokeh")
 def measured_curves(measured: Any, curve: Any, found: Any, scene: Scene) -> hv.Overlay:
     """F and L over U_x: a Measurement, the curve (U_x nm, F N/m, L N/m) of a scene, and a Fit; each may be None."""
+    import holoviews as hv
+
     kdim, vdim = hv.Dimension("U_x", unit="nm"), hv.Dimension("force", unit="N/m")
     unit = getattr(measured, "unit", None) or scene.width * scene.E
     values, rows = getattr(measured, "values", {}), found.rows if found else ()
@@ -189,6 +205,8 @@ def measured_curves(measured: Any, curve: Any, found: Any, scene: Scene) -> hv.O
 @drawn_with("bokeh")
 def residuals(measured: Any, curve: Any, found: Any, scene: Scene) -> hv.Overlay:
     """Fitted less measured F over its noise, over U_x; arguments as of `measured_curves`."""
+    import holoviews as hv
+
     kdim, vdim = hv.Dimension("U_x", unit="nm"), hv.Dimension("difference", label="fitted − measured (noise)")
     rows = [(U_x, model - seen) for U_x, quantity, seen, model in (found.rows if found else ()) if quantity == "F_bar"]
     noise = measured.noise["F_bar"] if measured else 1.0
@@ -203,6 +221,8 @@ def _slips(runs):
 
 def _live(parts, **more):
     """The overlay of a page, whose axes follow the data."""
+    import holoviews as hv
+
     kinds = hv.opts.Curve, hv.opts.Scatter, hv.opts.Points
     return hv.Overlay(parts).opts(*(kind(framewise=True) for kind in kinds), hv.opts.Overlay(**LIVE | more))
 

@@ -61,6 +61,14 @@ def test_the_solver_does_not_know_the_app(path):
     assert '"app"' not in path.read_text()
 
 
+@pytest.mark.parametrize("path", modules("."), ids=lambda path: str(path.relative_to(HERE)))
+def test_the_solver_loads_plots_and_pages_only_where_a_function_draws(path):
+    loaded = [node for node in ast.parse(path.read_text()).body if isinstance(node, ast.Import | ast.ImportFrom)]
+    names = {alias.name for node in loaded if isinstance(node, ast.Import) for alias in node.names}
+    names |= {node.module or "" for node in loaded if isinstance(node, ast.ImportFrom) and not node.level}
+    assert not {name.split(".")[0] for name in names} & {"holoviews", "bokeh", "panel", "matplotlib"}
+
+
 def messages(path):
     """The texts of a module but docstrings."""
     tree = ast.parse(path.read_text())
