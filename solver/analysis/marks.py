@@ -29,6 +29,8 @@ def of_skeleton(skeleton: Skeleton, name: str) -> tuple[tuple[float, str], ...]:
 
 def of_flat(scene: Scene, name: str) -> tuple[tuple[float, str], ...]:
     """Marks of a flat, exactly: stick-slip ends where the interface softens by less than k."""
+    if scene.phi_ratio == 0.0:  # nothing resists shear
+        return ()
     value = critical_modulus(scene)
     if name == "phi_ratio":
         value = scene.phi_ratio / (softening(scene) * scene.shear_compliance)

@@ -40,6 +40,12 @@ def test_marks_of_a_flat_equal_the_exact_limit_of_smooth_sliding():
     assert said == "slips above" and critical_modulus(flat.changed(phi_ratio=ratio)) == pytest.approx(flat.E)
 
 
+@pytest.mark.parametrize("name", ["phi_ratio", "E"])
+def test_a_flat_without_friction_has_no_marks(name):
+    function, *arguments = mark_calls(preset("fig4a-blue").scene.changed(phi_ratio=0.0), None)[name]
+    assert function(*arguments) == ()
+
+
 @pytest.mark.once
 @pytest.mark.slow
 @pytest.mark.parametrize(

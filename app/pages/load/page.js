@@ -10,7 +10,7 @@ import { addSwept, clear, collect, points } from "../../static/js/slips.js"
 import { me } from "../../static/js/store.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
-const ROOM = 0.08 // of an axis, beyond the points
+const ROOM = 0.12 // of an axis, beyond the points
 const ALONE = 0.05 // of the largest force of all points: the least room, also around one point
 const FEWEST = 3 // points of one interface that have a line
 const EMPTY = 100 // N/m, either way of an axis without points
