@@ -37,8 +37,6 @@ def on_server_loaded(server_context: Any) -> None:
     server_log.log_addresses()
     Thread(target=_load, name="load", daemon=True).start()
     IOLoop.current().spawn_callback(jobs.precompute, [preset.scene for preset in row().values()])
-    gc.collect()
-    gc.freeze()  # Panel collects garbage after every visit: objects from before the first visit are skipped
 
 
 def _load():
@@ -48,6 +46,8 @@ def _load():
         for name in lab.PAGES:
             lab.module(name)
         cohesive_law.traction(Scene(), np.zeros(1), 0.0)
+    gc.collect()
+    gc.freeze()  # Panel collects garbage after every visit: objects of what is loaded are skipped
 
 
 def on_server_unloaded(server_context: Any) -> None:

@@ -28,8 +28,8 @@ IDLE = 30.0  # s for the headers of a request, and between two requests of a con
 TREE = r"/(?:(?P<tree>[0-9a-f]{16})/)?"  # the hash of all files, see app/assets.py
 FILES = [(rf"{TREE}static/(?P<name>.*)", Files), (rf"{TREE}pages/(?P<name>\w+/page\.js)", Scripts)]
 PAGE = [("/?", Page), ("/ws", MessageFilter), *FILES]
-# Files of Panel that a page of plain Panel widgets, tables and plots loads.
-BUNDLED = "theme|bootstrap5|bootstraptemplate|datatabulator|font-awesome|reactiveesm"
+# Files of Panel that a page of plain Panel widgets and plots loads.
+BUNDLED = "theme|reactiveesm"
 PANEL = rf"/static/extensions/panel/(panel\.min\.js|css/\w+\.css|bundled/(?:{BUNDLED})/.+\.(?:js|css|woff2))"
 SERVER = [
     ("/?", Root),

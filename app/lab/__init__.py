@@ -24,11 +24,12 @@ log = logging.getLogger("app")
 PAGES = {"stick_slip": "Stick-slip", "area_laws": "Area laws", "fit": "Fit", "accuracy": "Accuracy"}
 BUG = "The page could not be opened. See the server's log, then reload the page."
 ICON = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg'/%3E"
-# Panel's sliders and their entries have no names for screen readers. This gives them that of the label before them.
+# Panel's sliders have no names for screen readers. This gives them that of the label before them.
 # A message of 5 MB closes the connection, so a browser refuses a larger file than the page reads, before it sends it.
 MEND = f"""
     const bounded = (input) => {{
         const said = input.parentNode.appendChild(document.createElement("p"))
+        input.setAttribute("aria-label", "Measured curve")
         said.setAttribute("role", "alert")
         input.addEventListener("change", (event) => {{
             const [file] = input.files, large = file?.size > {LARGEST}
@@ -42,9 +43,9 @@ MEND = f"""
     let label = ""
     const visit = (root) => {{
         for (const e of root.querySelectorAll("*")) {{
-            if (e.matches(".bk-clearfix")) label = e.textContent.replace(/:$/, "")
+            if (e.matches("label")) label = e.textContent
             const sign = e.matches(".bk-spin-btn-up") ? " +" : e.matches(".bk-spin-btn-down") ? " −" : ""
-            if (sign || e.matches(".noUi-handle, #input")) e.setAttribute("aria-label", label + sign)
+            if (sign || e.matches(".noUi-handle")) e.setAttribute("aria-label", label + sign)
             if (e.matches("progress")) e.setAttribute("aria-label", "Progress")
             if (e.matches("input[type=file]")) bounded(e)
             if (e.shadowRoot) visit(e.shadowRoot)
@@ -54,11 +55,11 @@ MEND = f"""
 """
 
 
-def back(scene: Scene) -> Any:
+def back(scene: Scene) -> str:
     """Return the link to the experiment with a scene, in the same theme."""
     theme = pn.state.session_args.get("theme", [b""])[-1].decode("ascii", "replace")
     values = address_of(scene, DEFAULT) | ({"theme": theme} if theme in ("dark", "light") else {})
-    return pn.pane.HTML(f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>')
+    return f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>'
 
 
 def module(name: str) -> Any:
@@ -72,9 +73,9 @@ def serve() -> None:
     name, theme = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
     doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
     doc.js_on_event("document_ready", CustomJS(code=MEND))
-    pn.extension("tabulator", theme="dark" if theme == "dark" else "default")
+    pn.extension(theme="dark" if theme == "dark" else "default", browser_info=False)
     scene, _, notes = scene_from_address(arguments)
-    page = back(scene)
+    page = pn.pane.HTML(back(scene))
     try:
         if name in PAGES:
             page = module(name).view(scene)
@@ -85,4 +86,5 @@ def serve() -> None:
         log.exception("a research page could not be built")
         notes.append(BUG)
     alerts = [pn.pane.Alert(note, alert_type="warning") for note in notes]
-    pn.Column(*alerts, page, sizing_mode="stretch_width").servable(title=PAGES.get(name, "Research pages"))
+    title = PAGES.get(name, "Research pages")
+    pn.Column(*alerts, page, sizing_mode="stretch_width").servable(title=title, location=False)

@@ -4,20 +4,20 @@ from app.lab.accuracy import view; view(Scene(E=140))
 """
 
 import json
+from functools import partial
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import panel as pn
 import param
 
-from app.lab.base import APART, LabPage, plots
+from app.lab.base import LabPage, side_by_side
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
 from solver import Scene
 from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
-from solver.live_plots import WORKS, work_precision
+from solver.live_plots import PALE, WORKS, Curve, work_precision
 
 TITLE = "Accuracy"
 STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
@@ -38,18 +38,21 @@ class Accuracy(LabPage):
     points = param.List(doc="the Points measured so far")
 
     async def compute(self) -> None:
-        self.points = points = []
-        drawn = 0.0
+        self.points = []
         how = {"rank": HEAVY, "seconds": LONGEST, "private": True, "streams": True}
         async for share, report in jobs.parts(measure, self.scene, True, owner=id(self), **how):
-            self.share, points = share, report.of("tolerance") if report else []
-            if len(points) > len(self.points) and monotonic() > drawn + APART:
-                self.points, drawn = points, monotonic()
-        self.points, self.text = points, cost(points)
+            self.param.update(share=share, points=report.of("tolerance") if report else [])
+        self.text = cost(self.points)
 
     def content(self) -> list[Any]:
-        draw = {work: lambda points, work=work: work_precision(points, work, BEFORE) for work in WORKS}
-        return [plots(*(pn.bind(draw[work], self.param.points) for work in WORKS))]
+        look: dict[str, Any] = {"beside": True, "x_axis_type": "log", "y_axis_type": "log"}
+        error = "largest relative error"
+        charts = (self.chart(partial(self.curves, work), label, error, **look) for work, label in WORKS.items())
+        return [side_by_side(*charts)]
+
+    def curves(self, work: str) -> list[Curve]:
+        """Return error over work of the scene, and of the default scene."""
+        return [*work_precision(self.points, work), *work_precision(BEFORE, work, alpha=PALE)]
 
 
 def cost(points: list[Any], tolerance: float = 1e-8) -> str:

@@ -2,12 +2,11 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import partial
 from time import monotonic
 from typing import Any
 
-import holoviews as hv
 import panel as pn
 import param
 
@@ -17,24 +16,19 @@ from app.service.tasks import Failed, tried
 from app.session.controls import CONTROLS, RANGES, changed_scene
 from solver import Scene
 from solver.isolated import Lost
+from solver.live_plots import Curve, chart, draw
 
 log = logging.getLogger("app")
 BUG = "It could not be computed. See the server's log, then reload the page."
 PAUSE = 0.2  # s without a change of the sliders before a computation begins
-APART = 1.0  # s between two drawings of results: one takes the server 0.1 s
+APART = 0.5  # s between two drawings of results
 WIDE = {"flex": "1 1 420px", "min-width": "0"}  # of plots beside each other, where there is room for two
+SLIDER = {"flex": "1 1 200px", "max-width": "320px"}
 
 
-def plots(*drawn: Any) -> Any:
-    """Return plots beside each other: each a DynamicMap, or a function bound to parameters that returns a plot."""
-    maps = (each if isinstance(each, hv.DynamicMap) else hv.DynamicMap(each) for each in drawn)
-    return pn.FlexBox(*(pn.pane.HoloViews(each, styles=WIDE) for each in maps))
-
-
-def table(data: Any, **look: Any) -> Any:
-    """Return a table of a DataFrame, or of a bound function that returns one."""
-    theme = "midnight" if pn.config.theme == "dark" else "simple"
-    return pn.widgets.Tabulator(data, disabled=True, show_index=False, theme=theme, **look)
+def side_by_side(*viewables: Any) -> pn.Row:
+    """Return viewables beside each other where there is room for them."""
+    return pn.Row(*viewables, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
 
 
 class LabPage(param.Parameterized):
@@ -48,7 +42,7 @@ class LabPage(param.Parameterized):
 
     def __init__(self, scene=None):
         super().__init__(scene=scene or Scene())
-        self._task, self._sliders = None, {}
+        self._task, self._entries, self._follow = None, {}, []
 
     async def compute(self) -> None:
         """Compute for the scene. A ValueError is shown."""
@@ -65,13 +59,34 @@ class LabPage(param.Parameterized):
         done = pn.bind(lambda share: round(100 * (share or 0)), self.param.share)
         progress = pn.indicators.Progress(value=done, visible=busy)
         cancel = pn.widgets.Button(label="Cancel", on_click=self.cancel, visible=busy)
-        heading = [pn.bind(back, self.param.scene)] if "lab" in pn.state.session_args else []
+        heading = [pn.pane.HTML(pn.bind(back, self.param.scene))] if "lab" in pn.state.session_args else []
         heading.append(pn.pane.Markdown(f"# {self.TITLE}\n{self.STATEMENT}"))
         pn.state.onload(self.start)
-        sliders = pn.FlexBox(*(self._slider(control) for control in CONTROLS))
+        sliders = side_by_side(*(self._slider(control) for control in CONTROLS))
         look = ["pre { white-space: pre-wrap; font: inherit }"]
         words = pn.pane.Str(self.param.text, sizing_mode="stretch_width", stylesheets=look)
-        return pn.Column(*heading, sliders, pn.Row(progress, cancel), words, *self.content())
+        page = pn.Column(*heading, sliders, pn.Row(progress, cancel), words, *self.content())
+
+        def redraw():
+            for follow in self._follow:
+                follow()
+            pn.io.push_notebook(page)
+
+        data = [name for name in self.param if name not in ("name", "share", "text")]
+        self.param.watch(lambda *events: pn.state.execute(redraw, schedule=True), data)
+        return page
+
+    def chart(self, curves: Callable[[], Sequence[Curve]], x: str, y: str, **look: Any) -> pn.pane.Bokeh:
+        """Return the chart of curves(), which follows the parameters of the page; look: as of `live_plots.chart`."""
+        plot = chart(curves(), x, y, **look)
+        self._follow.append(lambda: draw(plot, curves()))
+        return pn.pane.Bokeh(plot, styles=WIDE)
+
+    def table(self, rows: Callable[[], Any]) -> pn.pane.DataFrame:
+        """Return a table of rows(), a DataFrame, which follows the parameters of the page."""
+        table = pn.pane.DataFrame(rows(), index=False)
+        self._follow.append(lambda: setattr(table, "object", rows()))
+        return table
 
     def start(self, compute: Callable[[], Coroutine[Any, Any, None]] | None = None) -> None:
         """Compute in place of what is computed now."""
@@ -106,8 +121,8 @@ class LabPage(param.Parameterized):
     def show(self, scene: Scene) -> None:
         """Go to another scene."""
         self.scene = scene
-        for name, slider in self._sliders.items():
-            slider.value = getattr(scene, name)
+        for name, entry in self._entries.items():
+            entry.value = getattr(scene, name)
         self.start()
 
     async def _start(self, compute):
@@ -130,12 +145,14 @@ class LabPage(param.Parameterized):
     def _slider(self, control):
         limits, value = RANGES[control.name], getattr(self.scene, control.name)
         name = f"{control.label} {control.symbol}" + f" ({control.unit})" * bool(control.unit)
-        ends = {"start": control.low, "end": control.high, "fixed_start": limits.low, "fixed_end": limits.high}
         step = 0.01 if control.high < 10 else 1.0
-        slider = pn.widgets.EditableFloatSlider(label=name, value=value, step=step, **ends)
-        self._sliders[control.name] = slider
-        slider.param.watch(partial(self._change, control.name), "value")
-        return slider
+        look = {"value": value, "step": step, "sizing_mode": "stretch_width"}
+        entry = pn.widgets.FloatInput(label=name, start=limits.low, end=limits.high, **look)
+        slider = pn.widgets.FloatSlider(start=control.low, end=control.high, show_value=False, **look)
+        slider.jslink(entry, value="value", bidirectional=True)
+        entry.param.watch(partial(self._change, control.name), "value")
+        self._entries[control.name] = entry
+        return pn.Column(entry, slider, styles=SLIDER)
 
     def _change(self, name, event):
         scene, errors = changed_scene(self.scene, {name: f"{event.new!r}"})

@@ -14,13 +14,13 @@ import pandas as pd
 import panel as pn
 import param
 
-from app.lab.base import LabPage, plots, table
+from app.lab.base import LabPage, side_by_side
 from app.service import tasks
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
 from solver import Scene, fit
 from solver.analysis.measurement import Measurement, read_measurement
-from solver.live_plots import measured_curves, residuals
+from solver.live_plots import BLUE, DASHES, ORANGE, Curve
 from solver.text import counted
 
 TITLE = "Fit"
@@ -36,6 +36,7 @@ FREE = {  # label: parameter that can be free
 }
 NEUTRAL = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}  # of example data
 SEEDS = 2**32  # number of seeds of example data
+MOST = 2000  # measured points that are drawn: a file may have 100,000
 LONG = {"rank": HEAVY, "seconds": 120.0, "private": True, "streams": True}  # of a fit
 NARROW = {"sizing_mode": "stretch_width", "stylesheets": [".bk-input-group { flex-wrap: wrap }"]}  # in lines
 
@@ -97,37 +98,65 @@ class Fit(LabPage):
             values = {name: float(f"{value:.5g}") for name, value in self.fitted.values.items() if name not in NEUTRAL}
             self.show(self.scene.changed(**values))
 
-    def rows(self, fitted: Any) -> pd.DataFrame:
+    def rows(self) -> pd.DataFrame:
         """Return fitted values, standard errors, true values of example data, and correlations."""
-        rows, labels = [], {name: label for label, name in FREE.items()}
-        for i, (name, value) in enumerate(fitted.values.items() if fitted else ()):
-            row = {"parameter": labels[name], "fitted": f"{value:.5g}"}
-            row |= {"± standard error": f"{fitted.errors[name]:.2g}"}
+        rows, labels, found = [], {name: label for label, name in FREE.items()}, self.fitted
+        for i, (name, value) in enumerate(found.values.items() if found else ()):
+            row = {"parameter": labels[name], "fitted": f"{value:.5g}", "± standard error": f"{found.errors[name]:.2g}"}
             row |= {"made with": f"{self.truth[name]:.5g}"} if self.truth else {}
-            rows.append(row | {"correlations": " ".join(f"{c:.2f}" for c in fitted.correlations[i][:i])})
+            rows.append(row | {"correlations": " ".join(f"{c:.2f}" for c in found.correlations[i][:i])})
         return pd.DataFrame(rows)
 
+    def curves(self) -> list[Curve]:
+        """Return F and L over U_x: measured, of the sliders, and fitted."""
+        unit = getattr(self.measured, "unit", None) or self.scene.width * self.scene.E
+        values, drawn = getattr(self.measured, "values", {}), []
+        of_sliders = self.curve if self.curve is not None else np.empty((3, 0))
+        for name, force, colour, dash in zip("FL", of_sliders[1:], (BLUE, "gray"), DASHES, strict=False):
+            seen = values.get(f"{name}_bar", np.empty(0)) * unit
+            at, every = self.measured.U_x if seen.size else [], 1 + seen.size // MOST
+            U_x, _, model = self.fit_of(f"{name}_bar")
+            drawn += [
+                Curve(f"{name} measured", at[::every], seen[::every], colour, marker="circle", size=3.0, alpha=0.5),
+                Curve(f"{name} of the sliders", of_sliders[0], force, colour, dash),
+                Curve(f"{name} fitted", U_x, model * unit, ORANGE, dash, size=3.0),
+            ]
+        return drawn
+
+    def residuals(self) -> list[Curve]:
+        """Return fitted less measured F over its noise, over U_x."""
+        U_x, seen, model = self.fit_of("F_bar")
+        noise = self.measured.noise["F_bar"] if self.measured else 1.0
+        zero = Curve("", U_x[[0, -1]], np.zeros(2), "gray", size=1.0) if U_x.size else Curve("", [], [])
+        return [zero, Curve("", U_x, (model - seen) / noise, ORANGE, marker="circle", size=4.0)]
+
+    def fit_of(self, quantity: str) -> np.ndarray:
+        """Return U_x, measured and fitted values of a quantity, (3, k); k = 0 without a fit."""
+        rows = [row for row in (self.fitted.rows if self.fitted else ()) if row[1] == quantity]
+        return np.array([(U_x, seen, model) for U_x, _, seen, model in rows]).reshape(-1, 3).T
+
     def content(self) -> list[Any]:
-        given = self.param.measured, self.param.curve, self.param.fitted, self.param.scene
         file = pn.widgets.FileInput(accept=".csv,.txt,.dat")
         file.param.watch(lambda event: self.start(partial(self.read, event.new or b"")), "value")
-        there, rows = self.param.fitted.rx.is_not(None), pn.bind(self.rows, self.param.fitted)
+        there = self.param.fitted.rx.is_not(None)
+        curves = self.chart(self.curves, "U_x (nm)", "force (N/m)", title="Friction over displacement")
+        residuals = self.chart(self.residuals, "U_x (nm)", "fitted − measured F (noise)", title="Residuals")
         return [
-            pn.FlexBox(
+            side_by_side(
                 file,
                 pn.widgets.Button(label="Generate example data", on_click=lambda event: self.start(self.example)),
                 pn.widgets.CheckBoxGroup.from_param(self.param.free, inline=True, **NARROW),
                 pn.widgets.Button(label="Fit", on_click=lambda event: self.start(self.fit)),
                 pn.widgets.Button(label="Apply to sliders", on_click=self.apply),
             ),
-            plots(*(pn.bind(draw, *given) for draw in (measured_curves, residuals))),
-            table(rows, visible=there),
+            side_by_side(curves, residuals),
+            self.table(self.rows),
             pn.widgets.FileDownload(visible=there, callback=self.csv, filename="fit.csv", label="Download the table"),
         ]
 
     def csv(self) -> io.StringIO:
         """Return the table as a file."""
-        return io.StringIO(self.rows(self.fitted).to_csv(index=False))
+        return io.StringIO(self.rows().to_csv(index=False))
 
 
 def view(scene: Scene | None = None) -> pn.viewable.Viewable:

@@ -137,17 +137,14 @@ def document(report: Report) -> tuple[str, list[Section]]:
 
 def _diagrams(report, sweep):
     """A diagram over each work; none where no run of the sweep has an error."""
-    import holoviews as hv
-
-    from ..live_plots import WORKS, work_precision
-    from ..plots import drawn_with
+    from ..live_plots import WORKS, chart, work_precision
 
     label, error = ERRORS[sweep]
     points, unit = [p for p in report.of(sweep) if not p.failure and error(p) is not None], LIMITS[sweep].unit
-    look = {"responsive": False, "width": 550, "height": 430, "title": f"{sweep} swept [{unit}]: values beside points"}
-    with drawn_with("bokeh"):
-        overlays = [work_precision(points, work, error=error, label=label, swept=sweep) for work in WORKS if points]
-        return [hv.render(overlay.opts(**look), backend="bokeh") for overlay in overlays]
+    look = {"sizing_mode": "fixed", "width": 550, "height": 430, "x_axis_type": "log", "y_axis_type": "log"}
+    look["title"] = f"{sweep} swept [{unit}]: values beside points"
+    drawn = {axis: work_precision(points, work, error) for work, axis in WORKS.items() if points}
+    return [chart(curves, axis, label, beside=True, **look) for axis, curves in drawn.items()]
 
 
 def data(report: Report) -> dict[str, Any]:

@@ -56,7 +56,7 @@ def test_accuracy_measures_a_scene_without_a_server():
 def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs():
     page = stick_slip.StickSlip(presets()["fig4a-blue"].scene)
     assert isinstance(page.view(), pn.viewable.Viewable)
-    drawn = stick_slip.force_curves(page.found, page.scene)
+    drawn = {curve.label: (curve.x, curve.y) for curve in page.forces()}
     for name, label in stick_slip.FLATS.items():
         scene = flat(presets()[name].scene)
         frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
@@ -64,10 +64,10 @@ def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs():
         at = np.isin(U, [frame.U_x for frame in frames])
         assert F[at] == pytest.approx([1000 * frame.F_bar * scene.E / 70 for frame in frames], rel=1e-9, abs=1e-9)
     ratios, means = page.exact
-    of_runs = stick_slip.means(page.found, flat(page.scene))
-    assert len(of_runs) == 9
-    expected = np.interp(np.log(list(of_runs)), np.log(ratios), means)
-    assert list(of_runs.values()) == pytest.approx(expected, abs=0.02)  # a run stops every 0.2 nm of the drop
+    (of_runs,) = (curve for curve in page.means() if curve.label == "runs")
+    assert len(of_runs.x) == 9
+    expected = np.interp(np.log(of_runs.x), np.log(ratios), means)
+    assert of_runs.y == pytest.approx(expected, abs=0.02)  # a run stops every 0.2 nm of the drop
     assert "stick, and slip first" in page.text
 
 
@@ -82,14 +82,14 @@ def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders(monkeypa
 def test_area_laws_shows_figure_8_of_the_paper_with_the_fitted_laws():
     page = area_laws.AreaLaws(Scene())
     assert isinstance(page.view(), pn.viewable.Viewable)
-    series = page.series(page.found)
+    series = page.series()
     assert page.text == "" and all(list(runs) == list(area_laws.DEPTHS) for runs in series.values())
     for name, scene in zip(area_laws.NAMES[1:3], area_laws.PAPER, strict=False):
         runs = {depth: onset(scene.changed(delta_bar=depth)) for depth in area_laws.DEPTHS[-3:]}
         for depth, exact in runs.items():
             found = series[name][depth]
             assert (found.F_s, found.A_s) == pytest.approx((exact.F_s, exact.A_s), rel=1e-9)
-    rows = area_laws.quadratic_table(series[page.shown], page.laws(series[page.shown], page.shown))
+    rows = page.quadratic_rows()
     assert len(rows) == len(area_laws.DEPTHS) and rows["ζ"].iloc[0] == "–"  # without contact
 
 
@@ -106,6 +106,19 @@ def test_a_run_without_an_equilibrium_is_named_and_the_others_are_shown(monkeypa
     assert page.found == {shown: "an onset"} and page.text == f"{lost}: no equilibrium; raise E."
 
 
+def test_charts_follow_results_and_one_without_data_has_a_range(monkeypatch):
+    """Bokeh warns of axes whose range no curve determines."""
+    page = area_laws.AreaLaws(SMALL)
+    monkeypatch.setattr(page, "start", lambda: None)
+    pane, *_ = page.view().select(pn.pane.Bokeh)
+    lines, marks = (part.data_source for part in pane.object.renderers)
+    assert lines.data["alpha"][-1] == 0.0 and len(lines.data["x"][-1]) == 2
+    run = onset(SMALL)
+    page.found = {area_laws.series_of(page.scene).changed(delta_bar=0.2): run}
+    assert lines.data["y"][2] == pytest.approx(1e3 * run.A) and lines.data["alpha"][-1] == 1.0
+    assert marks.data["x"][1:] == pytest.approx([1e3 * run.F_s]) and marks.data["values"][1:] == ["δ̄ = 0.2"]
+
+
 def test_a_flat_has_no_area_laws():
     page = area_laws.AreaLaws(SMALL.changed(surface="flat"))
     page.view()
@@ -120,7 +133,7 @@ def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_slider
     assert "400 points" in page.text and page.truth.keys() == set(fit.FREE.values())
     page.start(page.fit)
     assert page.fitted.values["phi_ratio"] == pytest.approx(page.truth["phi_ratio"], rel=0.1)
-    table = page.rows(page.fitted)
+    table = page.rows()
     assert list(table["parameter"]) == ["friction / adhesion φₜ/φₙ", "press depth δ/δ₀"]
     page.apply(None)
     assert page.scene.phi_ratio == float(f"{page.fitted.values['phi_ratio']:.5g}")

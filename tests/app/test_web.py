@@ -377,6 +377,7 @@ def test_no_request_imports_a_module(address):
         *("static/js/bokeh../../../__init__.py", "static/extensions/", "static/extensions/panel/panel.json"),
         *("static/extensions/panel/../widgets/base.py", "static/extensions/panel/bundled/theme/../../../a.js"),
         *("static/extensions/panel/panel.js.map", "static/extensions/panel/bundled/plotlyplot/plotly-3.1.0.min.js"),
+        "static/extensions/panel/bundled/bootstrap5/css/bootstrap.min.css",
     ],
 )
 def test_routes_that_are_not_listed_do_not_exist(address, name):
@@ -386,7 +387,7 @@ def test_routes_that_are_not_listed_do_not_exist(address, name):
 def test_files_of_plain_panel_pages_are_served(address):
     names = ["panel.min.js", "css/button.css", "bundled/theme/default.css", "bundled/theme/native.css"]
     names += ["bundled/reactiveesm/es-module-shims@%5E1.10.0/dist/es-module-shims.min.js"]
-    names += ["bundled/bootstrap5/css/bootstrap.min.css", "bundled/bootstraptemplate/bootstrap.css"]
+    names += ["bundled/theme/dark.css", "css/dataframe.css"]
     found = [get(f"{address}/static/extensions/panel/{name}")[0] for name in names]
     found += [
         get(f"{address}/static/js/bokeh{name}.min.js")[0] for name in ("", "-gl", "-mathjax", "-tables", "-widgets")

@@ -16,7 +16,6 @@ import solver
 from solver import Axis, Map, Scene, explored, load_path, plots, read_profile, simulate, summarize, sweep
 from solver.cli import main
 from solver.files import report_of, write_npz
-from solver.live_plots import LIVE, curves
 from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
@@ -194,12 +193,6 @@ def test_saving_a_picture_leaves_the_backend_of_a_notebook_as_chosen(result, tmp
         for name in ("run.png", "run.html"):
             result.save(tmp_path / name)
             assert holoviews.Store.current_backend == chosen
-
-
-def test_the_plots_of_research_pages_are_drawn_with_bokeh_in_a_notebook_that_has_chosen_matplotlib():
-    with plots.drawn_with("matplotlib"):
-        drawn = curves({"F": ([0.0, 1.0], [1.0, 2.0])}, "U_x (nm)", "F (N/m)")
-    assert holoviews.render(drawn, backend="bokeh").height == LIVE["height"]
 
 
 def test_a_picture_without_matplotlib_is_refused_with_what_to_install(result, tmp_path, monkeypatch, capsys):
