@@ -52,6 +52,10 @@ class Secants:
         other.rows, other.slot = self.rows, self.slot
         return other
 
+    def __reduce__(self):
+        """Pickled, it is empty: pairs are as large as 40 states, and a run finds others within some evaluations."""
+        return Secants, self.du.shape
+
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def dot(a, b) -> float:

@@ -13,7 +13,7 @@ elsewhere a frame estimates that damping when asked.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -57,6 +57,10 @@ class Mode:
     basis: tuple = ()  # of (x (N,), K x), disturbances near zero
     v: np.ndarray | None = None  # (size,) the state that was searched
     margin: float = 0.0  # distance from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J in the basis
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickled, the basis has single precision: a search only starts from it."""
+        return vars(self) | {"basis": tuple((x.astype("f4"), layered.astype("f4")) for x, layered in self.basis)}
 
     @property
     def rests(self) -> bool:
@@ -209,7 +213,7 @@ class _Search:
     def _add(self, x, layered):
         """Add the part of x (size,) that is orthogonal to V, if there is room; layered: K x."""
         k = self.rows
-        if orthonormalise(self.v, k, x.copy(), self.k, layered.copy()):
+        if orthonormalise(self.v, k, x.astype(float), self.k, layered.astype(float)):
             self.w[k] = self.linearised.product(self.v[k], self.k[k])
             self.matrix[: k + 1, k] = self.v[: k + 1] @ self.w[k]
             self.matrix[k, :k] = self.w[:k] @ self.v[k]

@@ -21,7 +21,8 @@ from .state import TINY, End, Increment, Point, State
 SAME_STATE = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
 STENCIL = 6  # states for interpolation: with 0.1 nm between them the error meets a tolerance of 1e-8 nm
 SAME_LOAD = 1e-6  # nm: closer loads are the same, far above rounding and far below an increment
-STATES = 128  # states of a Trace: a period of four sites has 100; with 64, such runs take half as many evaluations more
+STATES = 128  # states of a Trace: a period of four sites has 100; with 64, some runs take more evaluations
+THINNED = 8  # a growing branch is thinned once in so many states
 FEWEST_STATES = 2 * STENCIL  # states of a branch that is thinned: half of fewer would not do for interpolation
 
 
@@ -58,6 +59,13 @@ class Branch:
     def of(loads: ArrayLike, v: np.ndarray, **more: Any) -> "Branch":
         """The Branch of states v (n, size) at loads (n,), nm."""
         return Branch(tuple(map(Point, np.asarray(loads, float).tolist(), v)), **more)
+
+    def __reduce__(self):
+        """Pickled, unknowns are rounded to 1e-9 of their largest change between two states, in half as many bytes."""
+        v = self.v
+        unit = np.abs(np.diff(v, axis=0)).max(initial=1e-3) / 2**30
+        steps = np.diff(np.rint(v / unit), axis=0, prepend=0.0)
+        return _restored, (self.loads, unit, steps[0], steps[1:].astype(np.int32), self.slip, self.periodic)
 
     @property
     def start(self) -> float:
@@ -96,11 +104,11 @@ class Branch:
         left = np.delete(np.arange(len(self.states)), out)
         return replace(self, states=tuple(self.states[i] for i in left))
 
-    def thinned(self, n: int) -> "Branch":
-        """The same without a quarter of its first n states: those that the others describe best."""
+    def thinned(self, n: int, error: float | None = None) -> "Branch":
+        """The same without those of its first n states that the others give to `error`, nm; None: the best quarter."""
         out = np.arange(1, n, 2)
         errors = np.abs(self.without(out).unknowns(self.loads[out]) - self.v[out]).max(axis=1)
-        return self.without(out[np.argsort(errors)[: ceil(out.size / 2)]])
+        return self.without(out[np.argsort(errors)[: ceil(out.size / 2)]] if error is None else out[errors < error])
 
     def shifted(self, distance: float, direction: np.ndarray) -> "Branch":
         """The same, moved on by a whole number of sites, nm; direction: the problem's."""
@@ -156,6 +164,11 @@ class Branch:
         return weights @ v + np.outer(turns, v[-1] - v[0])
 
 
+def _restored(loads, unit, first, steps, slip, periodic):
+    """The Branch that was pickled."""
+    return Branch.of(loads, unit * np.cumsum([first, *steps], axis=0), slip=slip, periodic=periodic)
+
+
 @dataclass(frozen=True, eq=False)
 class Trace:
     """The branches of a run in order, and how it goes on: after the last one branch `home` follows, moved on.
@@ -185,14 +198,17 @@ class Trace:
         slip = self.branches[-1].slip
         return slip.after.load if slip and slip.after else self.end
 
-    def extended(self, increment: Increment) -> "Trace":
-        """With what an Increment passed."""
+    def extended(self, increment: Increment, error: float = 0.0) -> "Trace":
+        """With what an Increment passed, without the older states of its branch that others give to `error`, nm."""
         *before, last = self.branches
         for slip in increment.slips:
             before.append(last.ended(slip))
             assert slip.after is not None
             last = Branch((Point(*slip.after[:2]),))
-        return replace(self, branches=(*before, last.added(Point(*increment.state[:2])))).bounded()
+        last = last.added(Point(*increment.state[:2]))
+        if len(last.states) % THINNED == 0:
+            last = last.thinned(len(last.states) - STENCIL, error)
+        return replace(self, branches=(*before, last)).bounded()
 
     def added(self, branch: Branch, state: Point) -> "Trace":
         """With one more state of one of its branches."""

@@ -4,6 +4,7 @@ import pickle
 from functools import partial
 from math import inf
 
+import numpy as np
 import pytest
 from visitor import SHORT, unpacked, whole_run
 
@@ -52,6 +53,18 @@ def test_a_sweep_that_runs_out_of_time_reports_where(short, monkeypatch):
 def test_a_finished_run_returns_only_packed_frames_and_its_skeleton():
     made = whole_run(SHORT)
     assert len(pickle.dumps(made)) < sum(map(len, made.blocks)) + len(pickle.dumps(made.skeleton)) + 2000
+
+
+@pytest.mark.slow
+def test_a_run_of_the_default_scene_sends_at_most_700_kB_to_a_worker_and_500_kB_back():
+    """Wherever it is cut: here after each of 220 increments, among them the first slip and repeated states."""
+    sent, part = [], worker.Part(None)
+    while isinstance(part, worker.Part):
+        budget = 0.0 if len(sent) < 220 else inf
+        to, part = len(pickle.dumps((Scene(), part.state))), worker.compute(Scene(), part.state, budget, inf)
+        sent.append((to, len(pickle.dumps(part))))
+    to, back = np.max(sent, axis=0)
+    assert to <= 700_000 and back <= 500_000
 
 
 def test_an_increment_out_of_time_is_postponed_and_finally_ends_the_run(monkeypatch):

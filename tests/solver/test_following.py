@@ -438,6 +438,14 @@ def test_a_result_has_the_skeleton_of_its_own_run():
     assert result.skeleton.evaluations < 0.1 * sum(frame.evaluations for frame in result.frames)
 
 
+def test_pickled_branches_keep_their_unknowns_to_1e_9_nm():
+    branches = checkpoints(SMALL)[-1].trace.branches
+    for branch, read in zip(branches, pickle.loads(pickle.dumps(branches)), strict=True):
+        assert read.loads.tolist() == branch.loads.tolist() and read.periodic == branch.periodic
+        assert np.abs(read.v - branch.v).max() < 1e-9
+        assert (read.slip is None) == (branch.slip is None)
+
+
 def test_a_checkpoint_after_2000_increments_is_small():
     """Of 256 nodes; states are thinned as the run goes on."""
     checkpoint = checkpoints(SMALL.changed(u_x_max=200.0))[-1]
