@@ -51,7 +51,9 @@ def _by_load(corrector, judge, state, target):
     way = np.abs(solution.v - state.v).max()
     if way > MOVED * unit or target - state.load < STEEP * way:
         return None
-    if len(past) > 1 and np.abs(solution.v - guess).max() > SHORT * unit:
+    # without a prediction: nodes in contact move about as far as the load
+    expected = SHORT * unit if len(past) > 1 else SHORT * unit + (target - state.load)
+    if np.abs(solution.v - guess).max() > expected:
         return None
     mode = judge.accept(corrector.problem, solution.v, state.mode)
     return _on_branch(corrector, state, solution, mode, state.past) if mode.rests else None
