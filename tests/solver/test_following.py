@@ -446,6 +446,16 @@ def test_pickled_branches_keep_their_unknowns_to_1e_9_nm():
         assert (read.slip is None) == (branch.slip is None)
 
 
+def test_a_growing_branch_leaves_out_states_that_others_give():
+    """Of the default before its first slip. States are solved to a residual of one tolerance, and thinned twice."""
+    passed = [checkpoint for checkpoint in checkpoints(Scene(u_x_max=7.0)) if checkpoint.stage == "shear"]
+    (branch,) = passed[-1].trace.branches
+    assert len(branch.states) < 0.7 * len(passed)
+    states = [checkpoint.state for checkpoint in passed]
+    off = [np.abs(branch.at(state.load).v - state.v).max() for state in states]
+    assert max(off) <= 3.0 * Scene().tolerance
+
+
 def test_a_checkpoint_after_2000_increments_is_small():
     """Of 256 nodes; states are thinned as the run goes on."""
     checkpoint = checkpoints(SMALL.changed(u_x_max=200.0))[-1]
