@@ -22,6 +22,7 @@ from solver.live_plots import PALE, WORKS, Curve, work_precision
 TITLE = "Accuracy"
 STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
 BEFORE = [Point(**row) for row in STORED["points"]]
+SWEPT = "tolerance"
 LONGEST = 600.0  # s, time limit of a measurement
 
 
@@ -40,8 +41,8 @@ class Accuracy(LabPage):
     async def compute(self) -> None:
         self.points = []
         how = {"rank": HEAVY, "seconds": LONGEST, "private": True, "streams": True}
-        async for share, report in jobs.parts(measure, self.scene, True, owner=id(self), **how):
-            self.param.update(share=share, points=report.of("tolerance") if report else [])
+        async for share, report in jobs.parts(measure, self.scene, True, None, (SWEPT,), owner=id(self), **how):
+            self.param.update(share=share, points=report.of(SWEPT) if report else [])
         self.text = cost(self.points)
 
     def content(self) -> list[Any]:

@@ -130,7 +130,6 @@ class LabPage(param.Parameterized):
         self._task = task = asyncio.current_task()
         self.param.update(share=0.0, text="")
         try:
-            await asyncio.sleep(PAUSE)
             await compute()
         except asyncio.CancelledError:
             return
@@ -160,4 +159,8 @@ class LabPage(param.Parameterized):
             self.text = errors[name]
         elif scene != self.scene:
             self.scene = scene
-            self.start()
+            self.start(self._compute_later)
+
+    async def _compute_later(self):
+        await asyncio.sleep(PAUSE)
+        await self.compute()

@@ -4,15 +4,15 @@ for progress, report in measure(Scene(delta_bar=0.4), quick=True): ...
 print(sentence(report))
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
 
-from ..run.frame import SlipEvent, largest_safe_damping
+from ..run.frame import Frame, SlipEvent, largest_safe_damping
 from ..run.loadpath import load_path
 from ..scene import Scene
-from .compare import Method, Point, compare, in_range, perform, reference
+from .compare import Method, Point, compare, in_range, perform, recorded, reference
 
 # The values swept with fast: nm; and factors of the scene's own du_x
 SWEEPS = {
@@ -53,21 +53,32 @@ class Report:
 
 
 def measure(
-    scene: Scene, quick: bool = False, slips: int | None = None, series: Mapping[str, Method] = SERIES
+    scene: Scene,
+    quick: bool = False,
+    slips: int | None = None,
+    sweeps: Iterable[str] = tuple(SWEEPS),
+    series: Mapping[str, Method] = SERIES,
 ) -> Iterator[tuple[float, Report | None]]:
     """Yield (progress 0..1, Report so far or None) after each run; raises NotConverged, SceneError.
 
     The path is shear at given delta, which every method knows, whatever path the scene has.
     slips: runs end just beyond so many slips (default 2, quick 1), or at the scene's u_x_max. series: {name: method}.
+    A quick report begins with a point relative to the scene's own run, as the reference takes some seconds.
     """
     yield 0.0, None
     effort = QUICK if quick else FULL
     slips = slips or effort.slips
     scene = scene.changed(path="shear", hold="delta")
-    short, safe = shortened(scene, slips)
+    short, frames = shortened(scene, slips)
+    planned, safe = plan(short, effort, sweeps, series), largest_safe_damping(frames)
+    if quick:
+        own, first = recorded(short, iter(frames)), planned[0]
+        coarse = perform(short.changed(**{first.sweep: first.value}), series[first.series])
+        points = (compare(first, coarse, own),)
+        yield 0.0, Report(scene, quick, slips, short, own.seconds, tuple(own.slips), safe, points)
     best = reference(short)
     report = Report(scene, quick, slips, best.scene, best.seconds, tuple(best.slips), safe)
-    planned, finished, stopped = plan(short, effort, series), {}, set()
+    finished, stopped = {}, set()
     for done, point in enumerate(planned, 1):
         run, kin = (point.series, short.changed(**{point.sweep: point.value})), (point.sweep, point.series)
         if run not in finished and kin in stopped:
@@ -83,8 +94,8 @@ def measure(
         yield done / len(planned), report
 
 
-def shortened(scene: Scene, slips: int) -> tuple[Scene, float]:
-    """(the scene up to just beyond its first slips, on the grid of the longest increment; its safe damping)."""
+def shortened(scene: Scene, slips: int) -> tuple[Scene, list[Frame]]:
+    """(the scene up to just beyond its first slips, on the grid of the longest increment; its frames until then)."""
     seen, end, longest, frames = 0, scene.u_x_max, _values(scene, "du_x", SWEEPS["du_x"])[0] * scene.delta_t, []
     for frame in load_path(scene):
         frames.append(frame)
@@ -92,7 +103,7 @@ def shortened(scene: Scene, slips: int) -> tuple[Scene, float]:
         if seen >= slips:
             end = min(end, (ceil(frame.U_x / longest - 1e-9) + 1) * longest)
             break
-    return scene.changed(u_x_max=end), largest_safe_damping(frames)
+    return scene.changed(u_x_max=end), frames
 
 
 def _values(scene, sweep, values):
@@ -101,11 +112,13 @@ def _values(scene, sweep, values):
     return sorted(in_range(scene, sweep, values), reverse=True)
 
 
-def plan(scene: Scene, effort: Effort, series: Mapping[str, Method] = SERIES) -> list[Point]:
+def plan(
+    scene: Scene, effort: Effort, sweeps: Iterable[str] = tuple(SWEEPS), series: Mapping[str, Method] = SERIES
+) -> list[Point]:
     """The Points to measure, cheap ones first within each sweep and series."""
     return [
         Point(sweep, name, value)
-        for sweep in SWEEPS
+        for sweep in sweeps
         for name in series
         for value in _values(scene, sweep, (SWEEPS if name == "fast" else effort.slow).get(sweep, ()))
     ]

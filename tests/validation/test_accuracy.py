@@ -140,6 +140,14 @@ def test_a_measurement_yields_progress_and_can_be_stopped(measured):
     assert len(list(islice(measure(SMALL, quick=True), 3))) == 3
 
 
+def test_a_quick_measurement_begins_with_a_point_close_to_that_of_the_reference():
+    """It takes two runs. The own run is far more accurate than the first point."""
+    (_, first), (_, report) = islice(filter(lambda each: each[1], measure(SMALL, quick=True, sweeps=["tolerance"])), 2)
+    (early,), (point,) = first.points, report.points
+    assert (early.value, early.evaluations) == (point.value, point.evaluations)
+    assert early.branch_error == pytest.approx(point.branch_error, rel=0.01)
+
+
 @pytest.mark.thorough
 def test_the_json_report_has_every_number(report):
     written = json.loads(json.dumps(plain(data(report)), allow_nan=False))  # as `write_json`
