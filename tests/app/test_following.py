@@ -97,7 +97,8 @@ def test_skeleton_of_a_sliced_run_equals_that_of_a_whole_run(runs):
     parts = list(slices(SCENE, 0.02))
     assert len(parts) > 1
     sliced, whole = parts[-1].skeleton, runs[SCENE].skeleton
-    np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-6, atol=1e-10)
+    # states of a skeleton are solved to 1e-5 nm, which makes forces right to 1e-4
+    np.testing.assert_allclose(sliced.curve([0.0, 5.0, 12.0]), whole.curve([0.0, 5.0, 12.0]), rtol=1e-4, atol=1e-7)
 
 
 def test_a_prediction_that_is_impossible_gives_a_reason(runs):
