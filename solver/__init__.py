@@ -37,7 +37,7 @@ from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
 from .following.moved import NotFollowed
 from .following.skeleton import Skeleton
-from .profile import ProfileError, read_profile
+from .profile import read_profile
 from .results import Result, simulate
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, load_path
@@ -46,6 +46,7 @@ from .run.summary import summarize, whole_surface
 from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError
 from .surfaces import Profile
 from .sweeps import sweep
+from .tables import DataError
 from .text import scene_from_text
 
 if TYPE_CHECKING:
@@ -64,12 +65,12 @@ __all__ = [
     "SURFACES",
     "Axis",
     "Checkpoint",
+    "DataError",
     "Frame",
     "Map",
     "NotConverged",
     "NotFollowed",
     "Profile",
-    "ProfileError",
     "Result",
     "Scene",
     "SceneError",

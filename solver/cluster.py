@@ -20,14 +20,10 @@ from .isolated import TRACEBACK, Lost
 PATIENCE = 5.0  # s for the scheduler to answer; on a local network it takes milliseconds
 
 
-class ClusterError(RuntimeError):
-    """The cluster cannot be used; the message is one line that names it and a remedy."""
-
-
 class Cluster:
     """Connection to a cluster. A call returns a Remote for a free worker; it reconnects if necessary.
 
-    Raises ClusterError without dask.
+    Raises Lost of the kind "absent" without dask.
     """
 
     why = "the cluster cannot be reached, or has no worker; the server continues as soon as a worker is there"
@@ -36,25 +32,25 @@ class Cluster:
         try:
             from distributed import Client
         except ImportError:
-            raise ClusterError('scheduler: dask is missing; pip install "mixed-mode-contact[cluster]"') from None
+            raise Lost("absent", 'scheduler: dask is missing; pip install "mixed-mode-contact[cluster]"') from None
         self.connect = Client
         self.address, self.client, self.lock = address, None, RLock()
         self.remotes: dict[str, Remote] = {}
 
     def count(self) -> int:
-        """The number of workers; raises ClusterError where there is none."""
+        """The number of workers; raises Lost where there is none."""
         try:
             count = len(self._workers())
         except Exception:  # of any kind, from sockets to handshakes
             self.close()
-            raise ClusterError(f"scheduler {self.address}: cannot be reached; give tcp://host:8786") from None
+            raise Lost("absent", "cannot be reached; give tcp://host:8786") from None
         if not count:
             self.close()
-            raise ClusterError(f"scheduler {self.address}: no worker there; dask worker {self.address} --nthreads 1")
+            raise Lost("absent", f"no worker there; dask worker {self.address} --nthreads 1")
         return count
 
     def __call__(self) -> "Remote":
-        """A Remote for a worker that has none; raises Lost of the kind 'absent'."""
+        """A Remote for a worker that has none; raises Lost."""
         with self.lock:
             try:
                 free = [worker for worker in self._workers() if worker not in self.remotes]

@@ -30,7 +30,7 @@ starting = RLock()
 
 
 class Lost(Exception):
-    """A call without a result: kind 'hang', 'crash' or 'error', and the reason; of an error its traceback."""
+    """A call without a result: kind 'hang', 'crash', 'absent' or 'error', and the reason; of an error its traceback."""
 
     def __init__(self, kind: str, reason: str) -> None:
         super().__init__(kind, reason)
@@ -204,7 +204,7 @@ def outcomes(
 
     items: taken one by one as processes become free, so that an item may depend on the outcomes before. workers: the
     number of processes on this machine (None: one for each core), or the address of a dask cluster's scheduler; then
-    raises ClusterError. limit: s for each call.
+    raises Lost. limit: s for each call.
     """
     with _makers(workers) as (make, count), Callers(make, count, call, limit) as callers:
         left, running = enumerate(items), 0
@@ -224,13 +224,13 @@ def _makers(workers):
     if not isinstance(workers, str):
         yield Caller, workers or os.cpu_count() or 1
         return
-    from .cluster import Cluster, ClusterError  # it imports this module
+    from .cluster import Cluster  # it imports this module
 
     cluster = Cluster(workers)
     try:
         yield cluster, cluster.count()
     except Lost as lost:  # of the kind 'absent'
-        raise ClusterError(f"scheduler {workers}: {lost}; start it, and run again") from None
+        raise Lost("absent", f"scheduler {workers}: {lost}; start it, and run again") from None
     finally:
         cluster.close()
 

@@ -14,10 +14,6 @@ FILE = "presets.toml"
 WORDS = ("title", "group", "look", "figure", "short")  # keys of a table that are no parameters
 
 
-class PresetError(ValueError):
-    """A preset that does not exist or cannot be used; the message names preset and key, and what is allowed."""
-
-
 @dataclass(frozen=True)
 class Preset:
     """A named Scene: `title` for menus, under `group`; `look` is a sentence on what to look for.
@@ -41,30 +37,30 @@ class Preset:
 
 @cache
 def presets() -> Mapping[str, Preset]:
-    """{name: Preset} in the order of the file, read-only. Raises PresetError."""
+    """{name: Preset} in the order of the file, read-only. Raises SceneError."""
     text = resources.files(__package__).joinpath(FILE).read_text(encoding="utf-8")
     return MappingProxyType(read(text))
 
 
 def preset(name: str) -> Preset:
-    """The Preset of that name; raises PresetError."""
+    """The Preset of that name; raises SceneError."""
     named = presets()
     if name not in named:
-        raise PresetError(f"preset {name!r}: allowed: {', '.join(named)}; {name_remedy(name, named)}")
+        raise SceneError("preset", name, f"allowed: {', '.join(named)}", name_remedy(name, named))
     return named[name]
 
 
 def read(text: str) -> dict[str, Preset]:
-    """{name: Preset} from TOML: a table per preset, with its texts and parameters of Scene. Raises PresetError."""
+    """{name: Preset} from TOML: a table per preset, with its texts and parameters of Scene. Raises SceneError."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise PresetError(f"{FILE}: {error}; correct the line") from None
+        raise SceneError("preset", FILE, str(error), "correct the line") from None
     presets = {}
     for name, table in tables.items():
         try:
             scene = Scene(**{key: value for key, value in table.items() if key not in WORDS})
             presets[name] = Preset(name, scene=scene, **{key: table[key] for key in WORDS if key in table})
         except (AttributeError, TypeError, SceneError) as error:
-            raise PresetError(f"{FILE}, preset {name!r}: {error}; correct this table") from None
+            raise SceneError("preset", name, str(error), f"correct this table of {FILE}") from None
     return presets

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .scene import LIMITS
-from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, Profile, ProfileError, averaged
+from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, DataError, Profile, averaged
 from .tables import SHOWN, Source, listed, read_table
 from .text import UNITS, counted
 
@@ -37,7 +37,7 @@ def read_profile(source: Source, width: float | None = None) -> Profile:
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. A heading may
     give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm.
     Returns a Profile: the mean line is removed, the ends are joined, the points are at equal distances.
-    Raises ProfileError.
+    Raises DataError.
 
     Example: `profile = read_profile("profile.csv")`, then
     `Scene(surface="measured", measured=profile, width=profile.length)`
@@ -51,7 +51,7 @@ def read_profile(source: Source, width: float | None = None) -> Profile:
     low, high = LENGTHS
     if not low <= length <= high:
         reason = f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm"
-        raise ProfileError(reason, points.last)
+        raise DataError(reason, points.last)
     points, tilt = _levelled(points)
     points, step = _joined(points)
     z, resampled = _at_equal_distances(points)
@@ -63,18 +63,18 @@ def read_profile(source: Source, width: float | None = None) -> Profile:
 
 def _points(source):
     """(Points, [notes]) of the rows that hold data."""
-    table = read_table(source, ProfileError, "two columns: x, z in nm")
+    table = read_table(source, "two columns: x, z in nm")
     x_z, units, spare = _two_of(table)
     lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)))
     for name, unit in zip("xz", units, strict=True):
         if unit not in UNITS["nm"]:
             allowed = f"allowed units: {', '.join(UNITS['nm'])}"
-            raise ProfileError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
+            raise DataError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
         columns[name] = columns[name] * UNITS["nm"][unit]
         large = np.flatnonzero(np.abs(columns[name]) > 1e9)  # a metre: the unit is wrong
         if large.size:
             reason = f"{name} = {columns[name][large[0]]:g} nm: allowed: -1e+09 .. 1e+09 nm; check its unit"
-            raise ProfileError(reason, int(lines[large[0]]))
+            raise DataError(reason, int(lines[large[0]]))
     read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
     points = Points(lines, columns["x"], columns["z"])
     _reject_few(points)
@@ -85,10 +85,10 @@ def _two_of(table):
     """(the indices of x and z, their units, [a note on other columns]): by their names, or else the first two."""
     columns, width, line = table.columns, table.cells.shape[1], int(table.cells.index[0])
     if width < 2:
-        raise ProfileError("one column, two are needed: x, z in nm", line)
+        raise DataError("one column, two are needed: x, z in nm", line)
     if not columns and width % 2 == 0 and width > 2 and table.comma:
         remedy = "write a heading, decimal points, or semicolons between columns"
-        raise ProfileError(f"{width} columns, two are needed: x, z in nm; {remedy}", line)
+        raise DataError(f"{width} columns, two are needed: x, z in nm; {remedy}", line)
     names = [column.name.lower() for column in columns]
     x_z = [names.index("x"), names.index("z")] if {"x", "z"} <= set(names) else [0, 1]
     units = [columns[k].unit for k in x_z if k < len(columns) and columns[k].unit]
@@ -98,7 +98,7 @@ def _two_of(table):
 
 def _reject_few(points):
     if points.x.size < FEWEST_POINTS:
-        raise ProfileError(f"only {counted(points.x.size, 'point')}, at least {FEWEST_POINTS} are needed", points.last)
+        raise DataError(f"only {counted(points.x.size, 'point')}, at least {FEWEST_POINTS} are needed", points.last)
 
 
 def _middle(points, width):
@@ -106,7 +106,7 @@ def _middle(points, width):
     spare = points.length - width
     if not (width > 0.0 and spare >= -EVEN * points.length):  # nan fails it too
         reason = f"the profile is {points.length:.6g} nm long, the width asked for is {width:g} nm"
-        raise ProfileError(f"{reason}; allowed: above 0 to that length; set such a width", points.last)
+        raise DataError(f"{reason}; allowed: above 0 to that length; set such a width", points.last)
     if spare <= EVEN * points.length:
         return points, []
     line, x, z = points
@@ -124,19 +124,19 @@ def _levelled(points):
     tilt = float(np.sum(x * z) / np.sum(x**2))
     if abs(tilt) > STEEPEST:
         reason = f"the profile as a whole is tilted by {tilt:.3g}, allowed: up to {STEEPEST:g}; level it first"
-        raise ProfileError(reason, points.last)
+        raise DataError(reason, points.last)
     levelled = points._replace(z=z - tilt * x)
     _reject_steep(levelled, "smooth or rescale it")
     return levelled, f"a tilt of {tilt:.3g} was removed (line of least squares)."
 
 
 def _reject_steep(points, remedy, why=""):
-    """Raises ProfileError at the first slope beyond STEEPEST."""
+    """Raises DataError at the first slope beyond STEEPEST."""
     slopes = np.abs(np.diff(points.z) / np.diff(points.x))
     if slopes.max() > STEEPEST:
         k = int(np.argmax(slopes > STEEPEST))
         reason = f"{why}slope {slopes[k]:.3g} from the point before, allowed: up to {STEEPEST:g}; {remedy}"
-        raise ProfileError(reason, int(points.line[k + 1]))
+        raise DataError(reason, int(points.line[k + 1]))
 
 
 def _joined(points):
@@ -145,7 +145,7 @@ def _joined(points):
     step, reach = float(z[-1] - z[0]), 0.05 * points.length
     steepest = np.pi * abs(step) / (4.0 * reach)
     if steepest > STEEPEST:
-        raise ProfileError(
+        raise DataError(
             f"its ends differ by {abs(step):.4g} nm; joined over {reach:.4g} nm at each end this is a slope of"
             f" {steepest:.3g}, allowed: up to {STEEPEST:g}; cut it where its ends are of one height"
         )

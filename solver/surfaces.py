@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .schema import as_number
-from .tables import TableError
+from .tables import DataError
 
 Floats = NDArray[np.float64]
 
@@ -26,17 +26,13 @@ LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
 
-class ProfileError(TableError):
-    """An unusable profile."""
-
-
 @dataclass(frozen=True)
 class Profile:
     """A measured profile: heights z (nm) at equal distances over one period, kept as bytes of float64.
 
     Parameters: length: the period, nm; heights: a sequence of numbers, nm, or these bytes; notes: how the data were
     processed.
-    Raises ProfileError for fewer than FEWEST_POINTS heights, for one that is not finite, for a length outside LENGTHS,
+    Raises DataError for fewer than FEWEST_POINTS heights, for one that is not finite, for a length outside LENGTHS,
     and for a slope over STEEPEST, also across the end of the period.
 
     Example: `Profile(100.0, np.sin(2 * np.pi * np.arange(200) / 200))`
@@ -52,17 +48,17 @@ class Profile:
             object.__setattr__(self, "heights", _heights(self.heights))
         object.__setattr__(self, "notes", tuple(self.notes))
         if (size := len(bytes(self.heights))) % 8:  # type: ignore[arg-type]
-            raise ProfileError(f"heights = {size} bytes: allowed: 8 for each float64; give numbers")
+            raise DataError(f"heights = {size} bytes: allowed: 8 for each float64; give numbers")
         if self.z.size < FEWEST_POINTS:
-            raise ProfileError(f"heights: {self.z.size} points; allowed: {FEWEST_POINTS} or more; give more of them")
+            raise DataError(f"heights: {self.z.size} points; allowed: {FEWEST_POINTS} or more; give more of them")
         if not np.isfinite(self.z).all():
             k = int(np.argmin(np.isfinite(self.z)))
-            raise ProfileError(f"heights[{k}] = {self.z[k]:g}: allowed: finite numbers, in nm; leave it out")
+            raise DataError(f"heights[{k}] = {self.z[k]:g}: allowed: finite numbers, in nm; leave it out")
         with np.errstate(over="ignore"):  # an infinite slope is too steep as well
             slope = np.abs(np.diff(self.z, append=self.z[0])).max() / (self.length / self.z.size)
         if slope > STEEPEST * (1.0 + 4.0 * EVEN):  # distances may have been off by EVEN
             reason = f"heights: the largest slope is {slope:.3g}; allowed: up to {STEEPEST:g}; smooth or rescale them"
-            raise ProfileError(reason)
+            raise DataError(reason)
 
     @property
     def z(self) -> Floats:
@@ -75,7 +71,7 @@ def _length(value):
     length = as_number(value)
     if not LENGTHS[0] <= length <= LENGTHS[1]:  # nan fails it too
         allowed = f"{LENGTHS[0]:g} .. {LENGTHS[1]:g} nm"
-        raise ProfileError(f"length = {value!r}: allowed: {allowed}; give a number in that range")
+        raise DataError(f"length = {value!r}: allowed: {allowed}; give a number in that range")
     return length
 
 
@@ -86,7 +82,7 @@ def _heights(values):
     except (TypeError, ValueError):
         heights = None
     if heights is None or heights.ndim != 1:
-        raise ProfileError("heights: allowed: one row of real numbers, in nm; give a list or a one-dimensional array")
+        raise DataError("heights: allowed: one row of real numbers, in nm; give a list or a one-dimensional array")
     return heights.tobytes()
 
 

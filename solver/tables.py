@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import pandas as pd
 
+Floats = NDArray[np.float64]
 Source = str | bytes | PathLike[str] | TextIO
 MOST_BYTES = 10_000_000  # of a file: 16,384 points, more than any run has nodes, in lines of 600 characters
 SHOWN = 40  # characters of a cell or a heading in a message
@@ -26,8 +27,8 @@ BLANKS = re.compile(rf"{NAME}(?:\s?(?:{UNIT}|/\s?\S{{1,40}}))?")  # a column of 
 RAISED = str.maketrans("⁻¹·*", "-1  ")
 
 
-class TableError(ValueError):
-    """An unusable file; the message gives the reason and the number of the line, if there is one, as `line`."""
+class DataError(ValueError):
+    """An unusable file or profile; the message gives the reason and the number of the line, if any, as `line`."""
 
     def __init__(self, reason: str, line: int | None = None) -> None:
         self.line = line
@@ -41,14 +42,6 @@ class Column(NamedTuple):
     unit: str
 
 
-class Rows(NamedTuple):
-    """Complete rows: the numbers of their lines (k,), {name: column (k,)}, and notes on rows that were left out."""
-
-    lines: NDArray[np.int64]
-    columns: dict[str, NDArray[np.float64]]
-    notes: tuple[str, ...]
-
-
 @dataclass(frozen=True, eq=False)
 class Table:
     """The columns of the heading of a file, and its cells: text, a row per line, whose number is the index."""
@@ -56,20 +49,22 @@ class Table:
     columns: list[Column]
     cells: "pd.DataFrame"
     comma: bool  # whether commas separate the columns
-    error: type[TableError]
 
-    def numbers(self, columns: Mapping[str, int]) -> Rows:
-        """The rows with a finite number in each of the columns {name: index}, the first of which must ascend."""
+    def numbers(self, columns: Mapping[str, int]) -> tuple[NDArray[np.int64], dict[str, Floats], list[str]]:
+        """(numbers of their lines (k,), {name: column (k,)}, [a note on others]) of rows that are complete.
+
+        columns: {name: index}; they have a finite number in each of them, and the first must ascend.
+        """
         values = np.column_stack([self._numbers(name, self.cells[k]) for name, k in columns.items()])
         complete, lines = np.isfinite(values).all(axis=1), self.cells.index.to_numpy()
         missing, values, lines = lines[~complete], values[complete], lines[complete]
         (name, *_), x = columns, values[:, 0]
         if (falls := np.flatnonzero(np.diff(x) <= 0.0)).size:
             k = int(falls[0])
-            raise self.error(f"{name} = {x[k + 1]:g} after {x[k]:g}; sort the lines by {name}", int(lines[k + 1]))
+            raise DataError(f"{name} = {x[k + 1]:g} after {x[k]:g}; sort the lines by {name}", int(lines[k + 1]))
         count = f"{missing.size} row{'s' * (missing.size > 1)} without all numbers"
-        notes = (f"{count} left out (line {listed(missing.tolist())}).",) if missing.size else ()
-        return Rows(lines, dict(zip(columns, values.T, strict=True)), notes)
+        notes = [f"{count} left out (line {listed(missing.tolist())})."] if missing.size else []
+        return lines, dict(zip(columns, values.T, strict=True)), notes
 
     def _numbers(self, name, texts):
         """A column of texts as float64; "" as nan."""
@@ -79,14 +74,12 @@ class Table:
         wrong = to_numeric(texts, errors="coerce").isna() & ~texts.str.lower().isin(["nan", "+nan", "-nan"])
         for line, text in texts[wrong].items():
             cell = repr(text[:SHOWN]) if text.isprintable() else "an unreadable cell"
-            raise self.error(f"{name} = {cell} is not a number; correct or delete the line", line)
+            raise DataError(f"{name} = {cell} is not a number; correct or delete the line", line)
         return texts.astype(float)
 
 
-def read_table(
-    source: Source, error: type[TableError], needed: str, named: Callable[[list[Column]], bool] | None = None
-) -> Table:
-    """Reads a Table from a file, or from its content; raises `error`, with `needed` in its message.
+def read_table(source: Source, needed: str, named: Callable[[list[Column]], bool] | None = None) -> Table:
+    """Reads a Table from a file, or from its content; raises DataError, with `needed` in its message.
 
     source: a path, a text without a line break being one; the content as text or bytes; or an open file.
     Semicolons, tabs, commas or blanks separate columns; with the first two, numbers may have decimal commas. Blank
@@ -95,18 +88,18 @@ def read_table(
     """
     from pandas import read_csv  # takes longer to import than the solver
 
-    text = _text(source, error)
+    text = _text(source)
     stripped = ((number, line.partition("#")[0].strip()) for number, line in enumerate(text.split("\n"), start=1))
     lines = [(number, line) for number, line in stripped if line]
-    start = _first_row(lines, error, needed, named)
+    start = _first_row(lines, needed, named)
     if not lines[start:]:
-        raise error(f"no points; needed: {needed}", text.count("\n") + 1)
+        raise DataError(f"no points; needed: {needed}", text.count("\n") + 1)
     columns, separator = _columns(lines[start - 1][1]) if start else [], _separator(lines[start][1])
     numbers, rows = zip(*lines[start:], strict=True)
     sizes = [len(row.split(separator)) for row in rows]
     width = sizes[0] if named is None else len(columns)
     if max(sizes) > 100:  # a table of some bytes with a million empty columns would fill the memory
-        raise error(f"{max(sizes)} columns; allowed: up to 100", numbers[int(np.argmax(sizes))])
+        raise DataError(f"{max(sizes)} columns; allowed: up to 100", numbers[int(np.argmax(sizes))])
     cells = read_csv(
         StringIO("\n".join(rows)), sep=separator or r"\s+", header=None, names=range(max(width, *sizes, 1)), dtype=str,
         keep_default_na=False, quoting=3, skip_blank_lines=False, index_col=False,
@@ -119,8 +112,8 @@ def read_table(
     if longer.any():
         line = longer.idxmax()
         remedy = "use decimal points, or semicolons between columns"
-        raise error(f"{sizes[numbers.index(line)]} columns in place of {width}; {remedy}", line)
-    return Table(columns, cells.loc[:, : width - 1], separator == ",", error)
+        raise DataError(f"{sizes[numbers.index(line)]} columns in place of {width}; {remedy}", line)
+    return Table(columns, cells.loc[:, : width - 1], separator == ",")
 
 
 def listed(items: Sequence) -> str:
@@ -128,7 +121,7 @@ def listed(items: Sequence) -> str:
     return ", ".join(map(str, items[:LISTED])) + " ..." * (len(items) > LISTED)
 
 
-def _first_row(lines, error, needed, named):
+def _first_row(lines, needed, named):
     """The index of the first line below the heading."""
     if named is None:
         return next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
@@ -136,18 +129,18 @@ def _first_row(lines, error, needed, named):
     if not start:
         number, line = lines[0] if lines else (1, "")
         heading = (line[:SHOWN] if line.isprintable() else "not readable") or "missing"
-        raise error(f"heading {heading}; needed: {needed}", number)
+        raise DataError(f"heading {heading}; needed: {needed}", number)
     return start
 
 
-def _text(source, error):
-    """The content as text, with plain line breaks; raises `error` where it is not text."""
+def _text(source):
+    """The content as text, with plain line breaks; raises DataError where it is not text."""
     if isinstance(source, PathLike) or (isinstance(source, str) and not re.search("[\r\n]", source)):
-        content = _content(source, error)
+        content = _content(source)
     else:
         content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
-        raise error(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
+        raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
     if not isinstance(content, str):
         try:
             content = bytes(content).decode()
@@ -155,23 +148,23 @@ def _text(source, error):
             content = bytes(content).decode("latin-1")
     content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     if binary := re.search("[\0\ufffd]", content):
-        raise error("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)
+        raise DataError("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)
     return content
 
 
-def _content(path, error):
+def _content(path):
     """The bytes of a file, at most one more than allowed."""
     shown = repr(str(path)[: 3 * SHOWN])
     try:
         if not Path(path).is_file():  # a pipe or a device may never end
-            raise error(f"{shown} is not a file; name a CSV file, or give its lines")
+            raise DataError(f"{shown} is not a file; name a CSV file, or give its lines")
         with open(path, "rb") as file:
             return file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as failure:  # ValueError: a null character in the name
-        if isinstance(failure, error):
+        if isinstance(failure, DataError):
             raise
         reason = getattr(failure, "strerror", None) or failure
-        raise error(f"{shown}: {reason}; name a CSV file that can be read") from None
+        raise DataError(f"{shown}: {reason}; name a CSV file that can be read") from None
 
 
 def _separator(line):

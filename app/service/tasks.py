@@ -13,7 +13,7 @@ import segno
 
 from app.service import packing, worker
 from app.service.worker import Part
-from solver import LIMITS, Frame, NotConverged, Profile, ProfileError, Scene, advance, read_profile
+from solver import LIMITS, DataError, Frame, NotConverged, Profile, Scene, advance, read_profile
 from solver.analysis.friction_laws import Onset, Search, search_on
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
@@ -180,7 +180,7 @@ def measured(text: str) -> tuple[Profile | None, str | None]:
     """Return (the Profile in the text of a CSV, None), or (None, why the text is not usable)."""
     try:
         return read_profile(text.encode()), None  # a text without a line break would name a file
-    except ProfileError as error:
+    except DataError as error:
         return None, str(error)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.limits import DEFAULT, FLAT, INCREMENTS, MOST, NUMBERS, increments_of
 from app.session import profiles
-from solver import CHOICES, LIMITS, Profile, ProfileError, Scene, SceneError
+from solver import CHOICES, LIMITS, DataError, Profile, Scene, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
 from solver.schema import RETIRED
@@ -219,7 +219,7 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
     if "profile" in entries:
         try:
             base = base.changed(measured=profiles.profile_of(entries["profile"]))
-        except ProfileError as error:
+        except DataError as error:
             notes.append(f"profile: {error}.")
     remarks = []
     scene, errors = changed_scene(base, entries, remarks)

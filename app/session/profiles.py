@@ -5,7 +5,7 @@ from typing import Any
 
 from cachetools import LRUCache
 
-from solver import Profile, ProfileError
+from solver import DataError, Profile
 
 _kept = LRUCache(32)  # profiles of this server by name, the latest used
 
@@ -19,8 +19,8 @@ def name_of(profile: Profile) -> str:
 
 
 def profile_of(name: str) -> Profile:
-    """Return the Profile of a name; raises ProfileError."""
+    """Return the Profile of a name; raises DataError."""
     profile = _kept.get(name)
     if profile is None:
-        raise ProfileError("this server does not have the profile of this address. Choose the file again")
+        raise DataError("this server does not have the profile of this address. Choose the file again")
     return profile

@@ -8,7 +8,6 @@ Source of the method: Branch, Coleman & Li 1999, doi:10.1137/S1064827595289108 (
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from ..tables import Source
 from .measurement import JUMP, Measurement, read_measurement
 from .partial import DRIVE, continuous
 from .prediction import AHEAD
-from .trial import AXES, NO_RUN, Model, Trial
+from .trial import AXES, NO_RUN, Model
 
 APART = 0.99  # correlation beyond which parameters count as one: each has 7 times the error it has alone
 FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
@@ -62,14 +61,6 @@ class Fit:
         return numbers | verdict | {"residuals": self.residuals.tolist()}
 
 
-class Optimum(NamedTuple):
-    """The best Trial of a Model, and the sentence that limits its value, or ""."""
-
-    model: Model
-    trial: Trial
-    caution: str = ""
-
-
 def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit: float = LIMIT) -> Fit:
     """Fits parameters of a scene to a measured curve, given all others.
 
@@ -94,15 +85,18 @@ def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit
     if "offset_U" in free:  # points move along the curve
         longest *= AHEAD
     base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + limit
-    best = _optimum(Model(base, measured, tuple(free), end), limit)
-    if measured.slips and not _fits(best.trial) and perf_counter() < end:  # slips may be missed, or be none
+    model = Model(base, measured, tuple(free), end)
+    trial, caution = _optimum(model, limit)
+    if measured.slips and not _fits(trial) and perf_counter() < end:  # slips may be missed, or be none
         uncut = Model(base, replace(measured, slips=()), tuple(free), end)
-        best = min(best, _optimum(uncut, limit), key=lambda optimum: _chi2(optimum.trial))
-    return _fit_of(best)
+        other, its_caution = _optimum(uncut, limit)
+        if _chi2(other) < _chi2(trial):
+            model, trial, caution = uncut, other, its_caution
+    return _fit_of(model, trial, caution)
 
 
 def _optimum(model, limit):
-    """The Optimum of a Model: its Trial is one of an exact run, unless there is none. Raises as `fit`."""
+    """(the best Trial of a Model, of an exact run if there is one; what limits its value, or ""). Raises as `fit`."""
     x, trial = model.start(), None
     try:
         for _ in range(4):  # a search that has not settled after two corrections by an exact run goes to and fro
@@ -115,18 +109,18 @@ def _optimum(model, limit):
             x, exact = trial.x, model.exact(model.scene_of(trial.x))
             continued, trial = trial, model.trial(x, exact)
             if np.abs(trial.residuals - continued.residuals).max() < 1.0:  # standard deviation of a point
-                return Optimum(model, trial)
+                return trial, ""
             model.restart(exact)
     except NO_RUN as error:
         if trial is None:
             raise
-        return Optimum(model, trial, f"no exact run confirms these values: {error}".rstrip("."))
+        return trial, f"no exact run confirms these values: {error}".rstrip(".")
     except TimeoutError:
         trial = model.best or trial
         if trial is None:
             raise OutOfTime(f"no trial was computed within {limit:g} s; allow more, or raise E") from None
-        return Optimum(model, trial, f"stopped after {limit:g} s: the values are the best so far")
-    return Optimum(model, trial, "the exact run at these values differs from the continued one; vary the start")
+        return trial, f"stopped after {limit:g} s: the values are the best so far"
+    return trial, "the exact run at these values differs from the continued one; vary the start"
 
 
 def _freedom(trial):
@@ -144,12 +138,12 @@ def _fits(trial):
     return _chi2(trial) < 1.0 + 5.0 * (2.0 / _freedom(trial)) ** 0.5
 
 
-def _fit_of(optimum):
-    """The Fit of an Optimum."""
-    model, trial, chi2, reached = optimum.model, optimum.trial, _chi2(optimum.trial), _fits(optimum.trial)
+def _fit_of(model, trial, caution):
+    """The Fit of the best Trial of a Model, with that caution."""
+    chi2, reached = _chi2(trial), _fits(trial)
     deviation, correlations = _uncertainty(trial.jacobian)
     errors = deviation * (1.0 if reached else chi2**0.5)
-    warnings = [optimum.caution] if optimum.caution else []
+    warnings = [caution] if caution else []
     if not reached:
         misfit = f"the best curve does not fit: chi^2 is {chi2:.3g} per degree of freedom"
         warnings.append(f"{misfit}; {_remedy(model, trial)}")

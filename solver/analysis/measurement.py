@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..continuation.state import TINY
 from ..run.frame import Stage
 from ..scene import Scene
-from ..tables import LISTED, SHOWN, Source, TableError, listed, read_table
+from ..tables import LISTED, SHOWN, DataError, Source, listed, read_table
 from ..text import UNITS
 from .outputs import NAMES
 
@@ -35,10 +35,6 @@ NAMED = {
     "A": ("a", "area", "contactarea"),
     "stage": ("stage",),
 }
-
-
-class MeasurementError(TableError):
-    """An unusable measurement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,13 +73,13 @@ class Measurement:
     ) -> "Measurement":
         """A Measurement from arrays; estimates the noise {name: standard deviation} of quantities not in `noise`.
 
-        Raises MeasurementError for fewer than FEWEST points and for a constant force.
+        Raises DataError for fewer than FEWEST points and for a constant force.
         """
         F = values["F_bar"]
         if len(U_x) < FEWEST:
-            raise MeasurementError(f"points: {len(U_x)}; needed: {FEWEST} or more; measure more densely")
+            raise DataError(f"points: {len(U_x)}; needed: {FEWEST} or more; measure more densely")
         if not np.ptp(F) > 0.0:
-            raise MeasurementError(f"F is {F[0]:g} at every point; needed: a force that changes; check the column F")
+            raise DataError(f"F is {F[0]:g} at every point; needed: a force that changes; check the column F")
         drops = drops_of(F)
         noise = {name: noise_of(y, drops) for name, y in values.items()} | (noise or {})
         return Measurement(U_x, values, noise, slips_of(F, noise["F_bar"]), unit, notes, width)
@@ -142,11 +138,11 @@ def read_measurement(source: Source, scene: Scene) -> Measurement:
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; scene: gives
     w E and w, over which forces in N/m and areas in nm are taken.
     Returns a Measurement, its noise estimated.
-    Raises MeasurementError.
+    Raises DataError.
 
     Example: `read_measurement("measured.csv", Scene()).noise`
     """
-    table = read_table(source, MeasurementError, NEEDED, lambda columns: _has_curve(_indices(columns)))
+    table = read_table(source, NEEDED, lambda columns: _has_curve(_indices(columns)))
     of, notes = _indices(table.columns), []
     force, other, load = ("F_bar", "L", "L_bar") if "F_bar" in of else ("F", "L_bar", "L")
     unused = [column.name for k, column in enumerate(table.columns) if k not in of.values()]
@@ -183,7 +179,7 @@ def _has_curve(of):
 
 
 def _sheared(table, stage):
-    """The rows of the stage of shear, if a column `stage` names stages; raises MeasurementError unless there is one."""
+    """The rows of the stage of shear, if a column `stage` names stages; raises DataError unless there is one."""
     if stage is None:
         return table
     texts = table.cells[stage]
@@ -191,7 +187,7 @@ def _sheared(table, stage):
     if len(shears) == 1:
         return replace(table, cells=table.cells[texts == shears[0]])
     found = ", ".join(repr(each[:SHOWN]) for each in (shears or list(texts.unique()))[:LISTED])
-    raise MeasurementError(f"stage: {found}; needed: rows of one stage of shear; keep those, or run with path=shear")
+    raise DataError(f"stage: {found}; needed: rows of one stage of shear; keep those, or run with path=shear")
 
 
 def _factor(name, column):
@@ -203,4 +199,4 @@ def _factor(name, column):
     if UNIT_OF[name] == "N/m" and re.fullmatch("[kmµun]?N", column.unit):
         remedy = f"divide it by the width of the contact across the pull, and write {name} (N/m) in the heading"
     message = f"heading: {column.name} in {column.unit[:SHOWN]!r}; allowed units: {allowed}; {remedy}"
-    raise MeasurementError(message)
+    raise DataError(message)

@@ -136,27 +136,13 @@ def _slips(skeleton, folds):
     unit = np.array([1.0, force, force, scene.width])  # of U_s, F_bar, L_bar, A_bar, for nm and N/m
     for _, (index, turns) in zip(slips_in(skeleton), skeleton.trace.passes(), strict=False):
         fold, sites = folds[index], turns * skeleton.sites
-        event = replace(fold.event, load=fold.event.load + sites * scene.spacing)
-        bars = fold._replace(event=event).values
+        load = fold.event.load + sites * scene.spacing
+        bars = np.array([load, *fold.values[1:]])
         by = {name: over_own(scene, name, bars, d) * unit for name, d in fold.by.items()}
         if "width" in by:
             by["width"][0] += sites / scene.nodes
-        slips.append(SlipSensitivity(event, bars * unit, by, fold.nodes * unit[:, None]))
+        slips.append(SlipSensitivity(replace(fold.event, load=load), bars * unit, by, fold.nodes * unit[:, None]))
     return tuple(slips)
-
-
-class _Fold(NamedTuple):
-    """A fold: its event, {parameter: (4,)} derivatives of U_x, F_bar, L_bar, A_bar, the same by nodes (4, nodes)."""
-
-    event: SlipEvent
-    by: dict[str, Floats]
-    nodes: Floats
-
-    @property
-    def values(self) -> Floats:
-        """U_x (nm), F_bar, L_bar, A_bar (4,)."""
-        event = self.event
-        return np.array([event.load, event.F_bar, event.L_bar, event.A_bar])
 
 
 class _State(NamedTuple):
@@ -255,8 +241,8 @@ class _Differentiator:
             by = {name: np.column_stack([rows, fold.by[name]]) for name, rows in by.items()}
         return BranchSensitivity(branch, outputs, by, slope)
 
-    def slip(self, branch) -> _Fold:
-        """The _Fold at the end of a Branch."""
+    def slip(self, branch) -> SlipSensitivity:
+        """The SlipSensitivity of the fold at the end of a Branch, of F_bar, L_bar and A_bar in place of F, L and A."""
         scene, problem = self.scene, self.problem
         fold = fold_near(problem, branch.slip, FOLDS)
         if fold is None:
@@ -288,4 +274,4 @@ class _Differentiator:
         event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
         nodes = np.zeros((4, scene.nodes))
         nodes[:, self.contact.part] = np.vstack([dU, dG])
-        return _Fold(event, by, nodes)
+        return SlipSensitivity(event, np.array([event.load, *outputs]), by, nodes)

@@ -94,7 +94,7 @@ def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     try:
         measured = read_measurement(arguments.file, scene)
         result = fits.fit(scene, measured, arguments.free, arguments.limit)
-    except ValueError as error:  # MeasurementError among them
+    except ValueError as error:  # DataError among them
         raise InputError(str(error)) from None
     for note in measured.notes:
         print(note)

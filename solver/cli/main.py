@@ -12,8 +12,8 @@ from typing import NoReturn
 from numba.core.event import Event, Listener, install_listener
 
 from .. import NotConverged, NotFollowed, Scene, SceneError, __version__
-from ..cluster import ClusterError
-from ..presets import PresetError, presets
+from ..isolated import Lost
+from ..presets import presets
 from ..scene import CHOICES, LIMITS, PARAMETERS
 from ..threads import one_thread
 from .accuracy import add_accuracy
@@ -79,7 +79,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         arguments = parser().parse_args(argv)
         with one_thread():
             return arguments.command(arguments)
-    except (ClusterError, InputError, PresetError, SceneError) as error:
+    except (InputError, Lost, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
     except NotConverged as error:

@@ -10,8 +10,9 @@ from typing import Any
 
 from ..plots import refusal
 from ..presets import preset
-from ..profile import ProfileError, read_profile
+from ..profile import read_profile
 from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+from ..tables import DataError
 from ..text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
@@ -96,7 +97,7 @@ def _writable(file):
 def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     """The Scene of NAME=VALUE arguments, over a preset if one is named; profile=FILE reads a measured surface.
 
-    Prints how ambiguous numbers were read, and which are not used. Raises SceneError, PresetError or InputError.
+    Prints how ambiguous numbers were read, and which are not used. Raises SceneError or InputError.
     """
     start = preset(named).scene.differences() if named else {}
     given = settings(pairs)
@@ -112,7 +113,7 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
         width = number_from_text("width", texts["width"]) if "width" in texts else None
         try:
             profile = read_profile(Path(file), width)
-        except ProfileError as error:
+        except DataError as error:
             raise InputError(f"profile = {file!r}: {error}") from None
     scene = scene_from_text(texts, profile, notes)
     unused = [name for name in SET_BY_POINTS if scene.legs and name in given]

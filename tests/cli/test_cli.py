@@ -446,7 +446,7 @@ def test_an_unknown_parameter_is_answered_with_the_most_similar_one(call, settin
 def test_every_command_that_computes_a_scene_knows_the_presets(call, tmp_path, arguments):
     files = [tmp_path / "map.csv"] if arguments[-1] == "--csv" else []
     code, _, err = call(*arguments, *files, "--preset", "fig9")
-    assert code == 2 and err.startswith("preset 'fig9': allowed: fig6, ")
+    assert code == 2 and err.startswith("preset = 'fig9': allowed: fig6, ")
 
 
 def test_sweep_prints_and_writes_the_first_slip_of_every_combination(call, tmp_path):

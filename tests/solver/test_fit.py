@@ -8,7 +8,7 @@ import pytest
 
 from solver import NotConverged, NotFollowed, Scene, simulate, skeleton_of
 from solver.analysis.fit import fit
-from solver.analysis.measurement import Measurement, MeasurementError, noise_of, read_measurement
+from solver.analysis.measurement import DataError, Measurement, noise_of, read_measurement
 from solver.analysis.trial import Model
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
@@ -159,7 +159,7 @@ def test_a_start_that_slips_too_rarely_is_reported_with_a_remedy(skeleton):
 
 def test_a_constant_force_is_rejected():
     U_x = np.arange(20.0)
-    with pytest.raises(MeasurementError, match=r"F is 0 at every point.*check"):
+    with pytest.raises(DataError, match=r"F is 0 at every point.*check"):
         Measurement.of(U_x, {"F_bar": 0.0 * U_x})
 
 
@@ -195,7 +195,7 @@ def test_a_curve_that_no_parameter_makes_does_not_fit(skeleton):
 def test_an_unusable_file_is_rejected_with_line_and_remedy(tmp_path, text, said):
     file = tmp_path / "bad.csv"
     file.write_text(text)
-    with pytest.raises(MeasurementError, match=said):
+    with pytest.raises(DataError, match=said):
         read_measurement(file, SMALL)
 
 
@@ -232,7 +232,7 @@ def test_usual_headings_are_understood(displacement, force):
 
 
 def test_a_force_without_a_width_is_refused_with_the_way_to_newton_per_metre():
-    with pytest.raises(MeasurementError, match=r"F in 'mN'; allowed units: N/m, .*; divide it by the width of the"):
+    with pytest.raises(DataError, match=r"F in 'mN'; allowed units: N/m, .*; divide it by the width of the"):
         read_measurement("U_x (nm),F (mN)\n1,2\n", SMALL)
 
 
@@ -298,7 +298,7 @@ def test_only_the_shear_of_a_run_is_read(stages):
     [(("unload", "reload"), "'unload', 'reload'"), (("2 shear", "3 back", "4 shear"), "'2 shear', '4 shear'")],
 )
 def test_a_run_without_one_stage_of_shear_is_refused(stages, found):
-    with pytest.raises(MeasurementError, match=f"^stage: {found}; needed: rows of one stage of shear; keep those, or"):
+    with pytest.raises(DataError, match=f"^stage: {found}; needed: rows of one stage of shear; keep those, or"):
         read_measurement(staged(*stages), SMALL)
 
 
@@ -318,7 +318,7 @@ def test_a_load_that_is_not_used_is_reported(heading, names, notes):
 
 @pytest.mark.parametrize("text", ["\x01\x02rubbish\x7f,b\n", "U_x,F\n1,\x01\x02\n", "PK\0\0"])
 def test_binary_content_is_rejected_and_not_echoed(text):
-    with pytest.raises(MeasurementError) as refused:
+    with pytest.raises(DataError) as refused:
         read_measurement(StringIO(text), SMALL)
     assert str(refused.value).isprintable() and "\\x" not in str(refused.value)
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import solver.cli as cli
-from solver import Scene, load_path, skeleton_from, summarize
+from solver import Scene, SceneError, load_path, skeleton_from, summarize
 from solver.cautions import cautions
-from solver.presets import WORDS, PresetError, preset, presets, read
+from solver.presets import WORDS, preset, presets, read
 from solver.run.loadpath import Run
 
 ROOT = Path(__file__).parents[2]
@@ -126,7 +126,7 @@ def test_a_held_load_stays_and_the_punch_of_its_preset_rises_before_the_first_sl
     ],
 )
 def test_bad_preset_is_refused_by_name_and_key(text, named):
-    with pytest.raises(PresetError) as refused:
+    with pytest.raises(SceneError) as refused:
         read(text)
     assert all(word in str(refused.value) for word in named)
 

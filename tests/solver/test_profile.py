@@ -8,7 +8,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from solver import Profile, ProfileError, Scene, SceneError, load_path, read_profile
+from solver import DataError, Profile, Scene, SceneError, load_path, read_profile
 from solver.analysis.peeling import edges
 from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
@@ -75,7 +75,7 @@ def test_heights_in_angstrom_and_millimetres_are_converted(unit, nm):
 
 @pytest.mark.parametrize("heading", ["x (nm),z (A)", "x,z [inch]", "x (pm),z (nm)", "x/ft z/ft"])
 def test_a_profile_in_an_unknown_unit_is_refused_with_the_known_ones(heading):
-    with pytest.raises(ProfileError, match=r"^heading: [xz] in '.*'; allowed units: nm, µm, .*mm, m; correct or"):
+    with pytest.raises(DataError, match=r"^heading: [xz] in '.*'; allowed units: nm, µm, .*mm, m; correct or"):
         read_profile(table(X, HILLS, heading=f"{heading}\n"))
 
 
@@ -97,7 +97,7 @@ def test_a_text_without_a_line_break_is_a_path(tmp_path, monkeypatch):
     (tmp_path / "p.csv").write_text(table(X, HILLS))
     monkeypatch.chdir(tmp_path)
     assert read_profile("p.csv") == read_profile(table(X, HILLS)) == read_profile(StringIO(table(X, HILLS)))
-    with pytest.raises(ProfileError, match=r"^'missing\.csv' is not a file; name a CSV file, or give its lines"):
+    with pytest.raises(DataError, match=r"^'missing\.csv' is not a file; name a CSV file, or give its lines"):
         read_profile("missing.csv")
 
 
@@ -219,7 +219,7 @@ def test_a_width_selects_the_middle_of_a_profile():
     ],
 )
 def test_bad_text_is_refused_with_line_and_reason(text, line, reason):
-    with pytest.raises(ProfileError) as caught:
+    with pytest.raises(DataError) as caught:
         read_profile(text)
     message = str(caught.value)
     assert isinstance(caught.value, ValueError) and caught.value.line == line
@@ -231,9 +231,7 @@ def test_ends_too_far_apart_to_be_joined_are_refused():
     # a parabola's flank: level as a whole, but one end stands 45 nm above the other
     z = np.where(X < 600.0, 0.0, 0.28 * (X - 600.0))
     z[:60] -= 0.28 * (X[60] - X[:60])
-    with pytest.raises(
-        ProfileError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3"
-    ):
+    with pytest.raises(DataError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3"):
         read_profile(table(X, z))
     assert STEEPEST == 0.3
 
@@ -245,7 +243,7 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
     z = saw + 1.5 * np.clip((x - 60.0) / 60.0, 0.0, 1.0)
     z[60:121] = np.linspace(z[60], z[120], 61)
     reason = r"line 193: its ends, 0\.65.* nm apart, joined over 9\.95 nm at each end: slope 0\.306 from the point"
-    with pytest.raises(ProfileError, match=reason) as caught:
+    with pytest.raises(DataError, match=reason) as caught:
         read_profile(table(x, z))
     assert caught.value.line == 193
 
@@ -265,20 +263,20 @@ def test_bad_files_are_refused(tmp_path, content, reason):
     file = tmp_path / "p.csv"
     file.write_bytes(content)
     for source in (file, content):
-        with pytest.raises(ProfileError, match=reason):
+        with pytest.raises(DataError, match=reason):
             read_profile(source)
 
 
 def test_only_files_are_read(tmp_path):
     for path in (tmp_path, tmp_path / "missing.csv"):
-        with pytest.raises(ProfileError, match="is not a file"):
+        with pytest.raises(DataError, match="is not a file"):
             read_profile(path)
 
 
 @pytest.mark.parametrize("width", [641.0, float("nan"), float("inf"), 0.0, -5.0, -641.0, -float("inf")])
 def test_a_width_outside_the_profile_is_refused(width):
     reason = f"the profile is 640 nm long, the width asked for is {width:g} nm; allowed: above 0 to that length"
-    with pytest.raises(ProfileError, match=re.escape(reason)):
+    with pytest.raises(DataError, match=re.escape(reason)):
         read_profile(table(X, HILLS), width)
 
 
@@ -308,7 +306,7 @@ def test_a_width_outside_the_profile_is_refused(width):
     ],
 )
 def test_an_unusable_profile_is_refused_with_what_is_allowed(length, heights, reason):
-    with pytest.raises(ProfileError, match=reason):
+    with pytest.raises(DataError, match=reason):
         Profile(length, heights)
 
 
@@ -326,7 +324,7 @@ def test_a_profile_may_be_as_steep_and_as_long_as_its_limits():
 )
 def test_long_headings_are_read_in_linear_time(line):
     """In quadratic time each would take minutes."""
-    with pytest.raises(ProfileError):
+    with pytest.raises(DataError):
         read_profile(line + "\n" + "1,2\n")
 
 
@@ -337,7 +335,7 @@ def test_random_input_raises_profile_errors_only():
             bytes(random.integers(0, 256, count, dtype=np.uint8)),
             "".join(random.choice(list("0123456789.,;e-+ \n\tnaix#_"), count)),
         ):
-            with pytest.raises(ProfileError):
+            with pytest.raises(DataError):
                 read_profile(junk)
 
 

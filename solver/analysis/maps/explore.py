@@ -15,7 +15,7 @@ def explored(grid: Map, workers: int | str | None = None, points: Iterable[Point
     scheduler; points: known ones, which are neither computed nor yielded.
     Returns an iterator of Points, in the order of completion; `grid.table` makes a DataFrame of them. A point that
     could not be computed has a `reason`.
-    Raises ClusterError where the cluster cannot be used.
+    Raises Lost where the cluster cannot be used.
 
     Example: `grid = Map(Scene(), Axis("delta_bar", -0.2, 0.3, 6), Axis("nu", 0.0, 0.4, 5))`, then
     `grid.table(explored(grid))`
