@@ -9,6 +9,7 @@ from threading import Thread
 from typing import Any
 
 import numpy as np
+from bokeh.settings import settings
 from tornado.ioloop import IOLoop, PeriodicCallback
 
 from app import lab, routes, server_log
@@ -25,6 +26,7 @@ from solver.mechanics import cohesive_law
 LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
 server_log.configure()  # before Bokeh logs the first line
+settings.perform_document_validation = False  # a walk through all models at each visit, for developers
 routes.install()
 shared(f"/{Path(__file__).parent.name}")
 

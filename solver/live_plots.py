@@ -19,7 +19,12 @@ METHODS = {"fast": (BLUE, "circle"), "gfmd": (ORANGE, "square")}  # colour and m
 WORKS = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
 LEAST = 1e-13  # drawn on logarithmic axes, which have no zero
 PALE = 0.3  # opacity of other runs
-LOOK = {"height": 380, "sizing_mode": "stretch_width", "tools": "pan,wheel_zoom,box_zoom,save,reset"}
+LOOK = {
+    "height": 380,
+    "sizing_mode": "stretch_width",
+    "frame_align": False,
+    "tools": "pan,wheel_zoom,box_zoom,save,reset",
+}
 
 
 class Curve(NamedTuple):
@@ -62,7 +67,7 @@ def chart(curves: Sequence[Curve], x: str, y: str, beside: bool = False, **look:
     named = [part for part in parts if any(part.data_source.data["label"])]
     if named:
         items = [LegendItem(label={"field": "label"}, renderers=[part]) for part in named]
-        plot.add_layout(Legend(items=items, ncols=3, location="left"), "above")
+        plot.add_layout(Legend(items=items, ncols=2, location="left"), "above")
     tips = [("", "@label @value"), (x, "$snap_x"), (y, "$snap_y")]
     plot.add_tools(HoverTool(renderers=parts, tooltips=tips, line_policy="nearest"))
     return plot

@@ -63,7 +63,7 @@ def back(scene: Scene) -> str:
 
 
 def module(name: str) -> Any:
-    """Return the module of a page. The first call imports HoloViews, which takes a second."""
+    """Return the module of a page. The first call imports it, which takes a second."""
     return import_module(f"{__name__}.{name}")
 
 
@@ -74,6 +74,7 @@ def serve() -> None:
     doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
     doc.js_on_event("document_ready", CustomJS(code=MEND))
     pn.extension(theme="dark" if theme == "dark" else "default", browser_info=False)
+    doc.theme = "dark_minimal" if theme == "dark" else None
     scene, _, notes = scene_from_address(arguments)
     page = pn.pane.HTML(back(scene))
     try:

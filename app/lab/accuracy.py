@@ -8,13 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import panel as pn
 import param
 
 from app.lab.base import LabPage, side_by_side
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
-from solver import Scene
 from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
 from solver.live_plots import PALE, WORKS, Curve, work_precision
@@ -69,6 +67,4 @@ def cost(points: list[Any], tolerance: float = 1e-8) -> str:
     )
 
 
-def view(scene: Scene | None = None) -> pn.viewable.Viewable:
-    """Return the page for a Scene (default: the default Scene)."""
-    return Accuracy(scene).view()
+view = Accuracy.view

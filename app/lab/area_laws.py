@@ -154,6 +154,4 @@ def line_of(runs: Runs) -> ThresholdLaw | None:
         return None
 
 
-def view(scene: Scene | None = None) -> pn.viewable.Viewable:
-    """Return the page for a Scene (default: the default Scene)."""
-    return AreaLaws(scene).view()
+view = AreaLaws.view

@@ -22,7 +22,7 @@ log = logging.getLogger("app")
 BUG = "It could not be computed. See the server's log, then reload the page."
 PAUSE = 0.2  # s without a change of the sliders before a computation begins
 APART = 0.5  # s between two drawings of results
-WIDE = {"flex": "1 1 420px", "min-width": "0"}  # of plots beside each other, where there is room for two
+WIDE = {"flex": "1 1 420px"}  # of plots beside each other, where there is room for two
 SLIDER = {"flex": "1 1 200px", "max-width": "320px"}
 
 
@@ -51,8 +51,13 @@ class LabPage(param.Parameterized):
         """Return the plots and tables, a list of Viewables."""
         return []
 
-    def view(self) -> pn.viewable.Viewable:
-        """Return the Viewable of the page; it computes as soon as it is shown."""
+    @classmethod
+    def view(cls, scene: Scene | None = None) -> pn.viewable.Viewable:
+        """Return the page for a Scene (default: the default Scene); it computes as soon as it is shown."""
+        return cls(scene).layout()
+
+    def layout(self) -> pn.viewable.Viewable:
+        """Return the Viewable of this page."""
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda context: self.cancel())
         busy = self.param.share.rx.is_not(None)
@@ -78,9 +83,9 @@ class LabPage(param.Parameterized):
 
     def chart(self, curves: Callable[[], Sequence[Curve]], x: str, y: str, **look: Any) -> pn.pane.Bokeh:
         """Return the chart of curves(), which follows the parameters of the page; look: as of `live_plots.chart`."""
-        plot = chart(curves(), x, y, **look)
+        plot = chart(curves(), x, y, styles=WIDE, **look)
         self._follow.append(lambda: draw(plot, curves()))
-        return pn.pane.Bokeh(plot, styles=WIDE)
+        return pn.pane.Bokeh(plot)
 
     def table(self, rows: Callable[[], Any]) -> pn.pane.DataFrame:
         """Return a table of rows(), a DataFrame, which follows the parameters of the page."""

@@ -18,7 +18,7 @@ from app.lab.base import LabPage, side_by_side
 from app.service import tasks
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
-from solver import Scene, fit
+from solver import fit
 from solver.analysis.measurement import Measurement, read_measurement
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
 from solver.text import counted
@@ -138,27 +138,25 @@ class Fit(LabPage):
     def content(self) -> list[Any]:
         file = pn.widgets.FileInput(accept=".csv,.txt,.dat")
         file.param.watch(lambda event: self.start(partial(self.read, event.new or b"")), "value")
-        there = self.param.fitted.rx.is_not(None)
+        example = pn.widgets.Button(label="Generate example data", on_click=lambda event: self.start(self.example))
         curves = self.chart(self.curves, "U_x (nm)", "force (N/m)", title="Friction over displacement")
         residuals = self.chart(self.residuals, "U_x (nm)", "fitted − measured F (noise)", title="Residuals")
         return [
+            side_by_side(file, example),
+            pn.widgets.CheckBoxGroup.from_param(self.param.free, inline=True, **NARROW),
             side_by_side(
-                file,
-                pn.widgets.Button(label="Generate example data", on_click=lambda event: self.start(self.example)),
-                pn.widgets.CheckBoxGroup.from_param(self.param.free, inline=True, **NARROW),
                 pn.widgets.Button(label="Fit", on_click=lambda event: self.start(self.fit)),
                 pn.widgets.Button(label="Apply to sliders", on_click=self.apply),
             ),
             side_by_side(curves, residuals),
             self.table(self.rows),
-            pn.widgets.FileDownload(visible=there, callback=self.csv, filename="fit.csv", label="Download the table"),
+            pn.widgets.FileDownload(
+                callback=lambda: io.StringIO(self.rows().to_csv(index=False)),
+                visible=self.param.fitted.rx.is_not(None),
+                filename="fit.csv",
+                label="Download the table",
+            ),
         ]
 
-    def csv(self) -> io.StringIO:
-        """Return the table as a file."""
-        return io.StringIO(self.rows().to_csv(index=False))
 
-
-def view(scene: Scene | None = None) -> pn.viewable.Viewable:
-    """Return the page for a Scene (default: the default Scene)."""
-    return Fit(scene).view()
+view = Fit.view

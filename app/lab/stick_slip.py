@@ -7,7 +7,6 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-import panel as pn
 import param
 from bokeh.models import LinearColorMapper
 
@@ -146,6 +145,4 @@ def in_words(own: Scene) -> str:
     )
 
 
-def view(scene: Scene | None = None) -> pn.viewable.Viewable:
-    """Return the page for a Scene (default: the default Scene)."""
-    return StickSlip(scene).view()
+view = StickSlip.view

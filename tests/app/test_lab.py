@@ -55,7 +55,7 @@ def test_accuracy_measures_a_scene_without_a_server():
 
 def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs():
     page = stick_slip.StickSlip(presets()["fig4a-blue"].scene)
-    assert isinstance(page.view(), pn.viewable.Viewable)
+    assert isinstance(page.layout(), pn.viewable.Viewable)
     drawn = {curve.label: (curve.x, curve.y) for curve in page.forces()}
     for name, label in stick_slip.FLATS.items():
         scene = flat(presets()[name].scene)
@@ -82,7 +82,7 @@ def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders(monkeypa
 
 def test_area_laws_shows_figure_8_of_the_paper_with_the_fitted_laws():
     page = area_laws.AreaLaws(Scene())
-    assert isinstance(page.view(), pn.viewable.Viewable)
+    assert isinstance(page.layout(), pn.viewable.Viewable)
     series = page.series()
     assert page.text == "" and all(list(runs) == list(area_laws.DEPTHS) for runs in series.values())
     for name, scene in zip(area_laws.NAMES[1:3], area_laws.PAPER, strict=False):
@@ -111,7 +111,7 @@ def test_charts_follow_results_and_one_without_data_has_a_range(monkeypatch):
     """Bokeh warns of axes whose range no curve determines."""
     page = area_laws.AreaLaws(SMALL)
     monkeypatch.setattr(page, "start", lambda: None)
-    pane, *_ = page.view().select(pn.pane.Bokeh)
+    pane, *_ = page.layout().select(pn.pane.Bokeh)
     lines, marks = (part.data_source for part in pane.object.renderers)
     assert lines.data["alpha"][-1] == 0.0 and len(lines.data["x"][-1]) == 2
     run = onset(SMALL)
@@ -122,14 +122,14 @@ def test_charts_follow_results_and_one_without_data_has_a_range(monkeypatch):
 
 def test_a_flat_has_no_area_laws():
     page = area_laws.AreaLaws(SMALL.changed(surface="flat"))
-    page.view()
+    page.layout()
     assert "no edge that can peel" in page.text and not page.found
 
 
 def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_sliders(monkeypatch):
     monkeypatch.setattr(fit, "randrange", lambda most: 1)
     page = fit.Fit(SMALL)
-    assert isinstance(page.view(), pn.viewable.Viewable) and len(page.curve[0]) > 50
+    assert isinstance(page.layout(), pn.viewable.Viewable) and len(page.curve[0]) > 50
     page.start(page.example)
     assert "400 points" in page.text and page.truth.keys() == set(fit.FREE.values())
     page.start(page.fit)
@@ -185,7 +185,7 @@ def test_cancel_frees_the_worker():
 
 def test_too_many_increments_are_refused_with_a_remedy():
     page = stick_slip.StickSlip(SMALL.changed(du_x=0.001))
-    page.view()
+    page.layout()
     assert page.text.startswith("du_x = 0.001") and "enlarge it" in page.text
 
 

@@ -27,8 +27,8 @@ DRAWN = f"""() => {{
     const figures = {MODELS}.filter((model) => model.type === "Figure")
     return figures.length && figures.every((figure) => Bokeh.index.find_one(figure)?.frame?.bbox.width > 0)
 }}"""
-POINT = f"""(alpha) => {MODELS}.some(({{ type, glyph, data_source }}) => type === "GlyphRenderer"
-    && glyph.type === "Scatter" && glyph.fill_alpha?.value === alpha && Object.values(data_source.data)[0]?.length)"""
+POINT = f"""(alpha) => {MODELS}.some(({{ type, glyph, data_source: of }}) => type === "GlyphRenderer"
+    && glyph.type === "Scatter" && Array.from(of.data.x).some((x, i) => x > 0 && of.data.alpha[i] === alpha))"""
 PALE, OWN = 0.3, 1.0  # opacity of stored points and of those of the scene
 ROUNDS = 3  # drags with and without another visitor, in turn
 
