@@ -33,7 +33,7 @@ DRIVEN = RestOptions(far=0.0)
 
 
 class Checkpoint(NamedTuple):
-    """Where a run stands between two slices; picklable.
+    """Where a run stands between two slices; from a pickled one, frames are the same to the tolerance.
 
     Example: `frames, checkpoint = advance(Scene())`
     """
