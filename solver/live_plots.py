@@ -19,12 +19,8 @@ METHODS = {"fast": (BLUE, "circle"), "gfmd": (ORANGE, "square")}  # colour and m
 WORKS = {"seconds": "run time [s of one core]", "evaluations": "force evaluations"}
 LEAST = 1e-13  # drawn on logarithmic axes, which have no zero
 PALE = 0.3  # opacity of other runs
-LOOK = {
-    "height": 380,
-    "sizing_mode": "stretch_width",
-    "frame_align": False,
-    "tools": "pan,wheel_zoom,box_zoom,save,reset",
-}
+TOOLS = "pan,wheel_zoom,box_zoom,save,reset"
+LOOK = {"height": 380, "sizing_mode": "stretch_width", "frame_align": False, "tools": TOOLS}
 
 
 class Curve(NamedTuple):

@@ -23,6 +23,7 @@ TITLE = "Area laws"
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line bends
 DEPTHS = (*INDENTATIONS, BEYOND)
 OWN = "this interface"
+NAMED = "δ̄ = {:g}".format
 MARKERS = "circle", "square", "triangle", "diamond"
 Runs = dict[float, Onset]  # by delta_bar
 
@@ -81,10 +82,10 @@ class AreaLaws(LabPage):
         fit = "Ā₀ − ζF̄² (Eq. 8)"
         curves = [Curve("runs", [], []), Curve(fit, [], [], ORANGE, DASHES[1])]
         for depth, (run, law) in self.laws().items():
-            curves.append(Curve("runs", 1e3 * run.F, 1e3 * run.A, values=named(depth)))
+            curves.append(Curve("runs", 1e3 * run.F, 1e3 * run.A, values=NAMED(depth)))
             if law:
                 A = np.maximum(law.A_0 - law.zeta * run.F**2, 0.0)
-                curves.append(Curve(fit, 1e3 * run.F, 1e3 * A, ORANGE, DASHES[1], values=named(depth)))
+                curves.append(Curve(fit, 1e3 * run.F, 1e3 * A, ORANGE, DASHES[1], values=NAMED(depth)))
         return [*curves, marks("onset", self.series()[self.shown], "gray", "circle")]
 
     def onsets(self) -> list[Curve]:
@@ -124,14 +125,9 @@ class AreaLaws(LabPage):
         return pd.DataFrame(rows).fillna("–")
 
 
-def named(depth: float) -> str:
-    """Return the name of a run in the plots."""
-    return f"δ̄ = {depth:g}"
-
-
 def marks(label: str, runs: Runs, colour: str, marker: str) -> Curve:
     """Return the onsets of sliding of runs: area over friction."""
-    slips = {named(depth): (run.F_s, run.A_s) for depth, run in runs.items() if run.F_s}
+    slips = {NAMED(depth): (run.F_s, run.A_s) for depth, run in runs.items() if run.F_s}
     x, y = 1e3 * np.array([*slips.values()], float).reshape(-1, 2).T
     return Curve(label, x, y, colour, marker=marker, size=9.0, values=[*slips])
 

@@ -72,13 +72,9 @@ class LabPage(param.Parameterized):
         words = pn.pane.Str(self.param.text, sizing_mode="stretch_width", stylesheets=look)
         page = pn.Column(*heading, sliders, pn.Row(progress, cancel), words, *self.content())
 
-        def redraw():
-            for follow in self._follow:
-                follow()
-            pn.io.push_notebook(page)
-
+        self._follow.append(partial(pn.io.push_notebook, page))
         data = [name for name in self.param if name not in ("name", "share", "text")]
-        self.param.watch(lambda *events: pn.state.execute(redraw, schedule=True), data)
+        self.param.watch(lambda *events: [pn.state.execute(each, schedule=True) for each in self._follow], data)
         return page
 
     def chart(self, curves: Callable[[], Sequence[Curve]], x: str, y: str, **look: Any) -> pn.pane.Bokeh:

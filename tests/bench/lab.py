@@ -66,6 +66,10 @@ def visits(browser, server, name, count):
 
 def accuracy(browser, server):
     """Print when the page Accuracy of the default scene shows its parts."""
+    warm = browser.new_page()
+    warm.goto(f"{server.address}?lab=none")
+    warm.get_by_text("There is no page").wait_for()
+    warm.close()
     start = time.monotonic()
     tab, _ = opened(browser, f"{server.address}?lab=accuracy")
     for what, ready, alpha in (("stored diagram", POINT, PALE), ("first own point", POINT, OWN)):
@@ -108,11 +112,11 @@ def main():
         with sync_playwright() as playwright:
             path = os.environ.get("CHROMIUM") or shutil.which("chromium")
             browser = playwright.chromium.launch(executable_path=path, args=BROWSER)
+            if not options.only:
+                accuracy(browser, server)  # first: workers are free
+                drags(browser, server, options.moves)
             for name in [options.only] if options.only else PAGES:
                 visits(browser, server, name, options.visits)
-            if not options.only:
-                accuracy(browser, server)
-                drags(browser, server, options.moves)
             browser.close()
     finally:
         server.stop()

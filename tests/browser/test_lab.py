@@ -10,6 +10,10 @@ LONG = "area_laws", "stick_slip"  # their runs are those of the paper, in full s
 SERIOUS = {"aria-input-field-name", "aria-progressbar-name", "button-name", "color-contrast", "label", "link-name"}
 
 
+BACKGROUNDS = """Object.fromEntries([...Bokeh.documents[0]._all_models.values()]
+    .filter(({ type }) => type === "Figure").map(({ id, background_fill_color }) => [id, background_fill_color]))"""
+
+
 @pytest.mark.parametrize("name", lab.PAGES)
 def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_returns_with_it(visit, name):
     page = visit(QUICK)
@@ -23,8 +27,10 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
         cancel.click()
         page.get_by_text("Cancelled.").wait_for()
     cancel.wait_for(state="hidden", timeout=PATIENCE)
-    page.set_viewport_size({"width": 820, "height": 1180})
-    page.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
+    assert "#ffffff" not in page.evaluate(BACKGROUNDS).values()  # the theme is dark
+    for width in (820, 390):
+        page.set_viewport_size({"width": width, "height": 1180})
+        page.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
     assert not found_by_axe(page).keys() & SERIOUS
     page.get_by_role("link", name="Back to the experiment").click()
     finished(page)
@@ -44,6 +50,14 @@ def test_a_moved_slider_changes_the_scene_that_the_experiment_gets_back(visit):
     entry.fill("40")
     entry.press("Enter")
     page.locator("a[href*='E=40']").wait_for()
+
+
+def test_a_slider_moves_its_entry_and_the_scene(visit):
+    page = visit(QUICK.replace("?", "?lab=accuracy&"))
+    page.get_by_role("slider", name="Friction / adhesion").press("ArrowRight")
+    page.locator("a[href*='phi_ratio=1.012']").wait_for()
+    assert page.get_by_role("textbox", name="Friction / adhesion").input_value() == "1.012"  # a hundredth of the slider
+    assert page.get_by_role("textbox", name="Stiffness").input_value() == "35"  # below the slider's range
 
 
 def test_a_file_larger_than_a_page_reads_is_refused_before_it_is_sent_and_the_connection_stays(visit):
