@@ -154,6 +154,7 @@ class Page(Plain, DocHandler):
         session.block_expiration()  # a slow browser would find another session than that of its page
         IOLoop.current().call_later(CONNECTS, session.unblock_expiration)
         doc, resources = session.document, Resources.from_bokeh(self.application.resources())
+        resources.components = ["bokeh", "bokeh-widgets", "bokeh-tables"]  # needed by those of Panel
         own = {"template": doc.template, "template_variables": doc.template_variables}
         with set_curdoc(doc):  # Panel then finds the theme of this visitor
             page = server_html_page_for_session(session, resources, doc.title, token, **own)
