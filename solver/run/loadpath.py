@@ -128,7 +128,6 @@ class Run:
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.observe = observe
-        self._place = None  # until the increment is done: where it ends early, the problem may have grown
         before = stepper.problem.evaluations
         state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
         index, done, trace = self._increment(step, checkpoint.increment, state, checkpoint.trace or Trace.of(state))

@@ -352,6 +352,14 @@ def test_a_load_that_the_approach_does_not_reach_is_refused(load):
         simulate(small, load=load)
 
 
+def test_a_run_has_one_stepper_for_each_step_of_its_path():
+    """Its transforms are planned once: to plan them for every increment takes as long as to compute it."""
+    run, steppers = Run(SMALL), {}
+    for frame, _ in run.frames():
+        steppers.setdefault(frame.stage, set()).add(run.stepper)
+    assert len(steppers) == 2 and all(len(used) == 1 for used in steppers.values())
+
+
 def test_a_run_that_is_cancelled_goes_on_from_its_checkpoint_as_if_it_had_not_been():
     """Each increment is cancelled at its 150th force evaluation; one that long comes into contact."""
     scene = Scene(E=13.51, delta_bar=-0.331, phi_ratio=1.72, u_x_max=0.0)
