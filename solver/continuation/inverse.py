@@ -4,23 +4,28 @@ from collections.abc import Callable
 
 import numpy as np
 from numba import njit
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg import lu_factor, lu_solve, solve_triangular
 
 from .anderson import dot
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
 # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
 PRODUCTS = 240
+LITTLE = 0.1  # of a vector, left by a projection: its round-off is ten times as large, which is negligible
 ROOM = 16  # pairs at first, as many as most searches need: memory for all, never touched, took half of a search's time
 
 
 class Inverse:
-    """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve."""
+    """A^-1 of a tangent A = dR/dv, by generalised conjugate residuals; pairs (z, A z) are kept for the next solve.
+
+    q are the A z, made orthonormal; the z stay the residuals that they were.
+    """
 
     def __init__(self, product: Callable, size: int, most: int = PRODUCTS):
         """product: w -> A w; most: products in all solves."""
         self.product, self.size, self.most, self.rows = product, size, most, 0
         self._z, self._q = np.empty((2, min(ROOM, most), size))
+        self._shares = np.zeros((len(self._q), len(self._q)))  # A z_k is the sum of shares[j, k] q_j, j <= k
 
     def solve(self, b: np.ndarray, accuracy: float = ACCURACY) -> np.ndarray:
         """w (size,) with |A w - b| <= accuracy |b|, or as close to that as `most` products lead."""
@@ -28,24 +33,28 @@ class Inverse:
 
     def reduced(self, b: np.ndarray, accuracy: float = ACCURACY) -> tuple[np.ndarray, np.ndarray]:
         """The same w, and b - A w."""
-        w, r = np.zeros(self.size), b.copy()
-        _share(self._z, self._q, 0, self.rows, w, r)
+        r, shares = b.copy(), np.empty(self.most)
+        _project(self._q, 0, self.rows, r, shares)
         bound = accuracy**2 * dot(b, b)
-        while dot(r, r) > bound:
-            if self.rows == len(self._q):
-                self._z, self._q = self._wider()
-            z = r.copy()
-            if not orthonormalise(self._q, self.rows, self.product(z), self._z, z):
+        while (rest := dot(r, r)) > bound and self.rows < self.most:
+            k = self.rows
+            if k == len(self._q):
+                self._widen()
+            np.multiply(r, rest**-0.5, out=self._z[k])
+            self._shares[: k + 1, k] = orthonormalise(self._q, k, self.product(self._z[k]))
+            if self._shares[k, k] == 0.0:
                 break
             self.rows += 1
-            _share(self._z, self._q, self.rows - 1, self.rows, w, r)
-        return w, r
+            _project(self._q, k, self.rows, r, shares)
+        of_z = solve_triangular(self._shares[: self.rows, : self.rows], shares[: self.rows], check_finite=False)
+        return of_z @ self._z[: self.rows], r
 
-    def _wider(self):
-        """(z, q) with room for twice as many pairs, at most for `most`."""
-        wider = np.empty((2, min(2 * self.rows, self.most), self.size))
-        wider[:, : self.rows] = self._z, self._q
-        return wider
+    def _widen(self):
+        """Make room for twice as many pairs, at most for `most`."""
+        k, room = self.rows, min(2 * self.rows, self.most)
+        pairs, shares = np.empty((2, room, self.size)), np.zeros((room, room))
+        pairs[:, :k], shares[:k, :k] = (self._z, self._q), self._shares
+        (self._z, self._q), self._shares = pairs, shares
 
 
 class Solves:
@@ -105,37 +114,34 @@ class Solves:
 
 
 @njit(cache=True, nogil=True)
-def orthonormalise(rows, count, q, others, z) -> bool:
-    """Append q to `rows`, made orthonormal to the first `count`, and z, transformed alike, to `others`.
+def orthonormalise(rows, count, q) -> np.ndarray:
+    """Append q (size,) to `rows`, made orthonormal to the first `count`; return its shares (count + 1,) in these rows.
 
-    False if q depends on them, or there is no room. Overwrites q and z.
+    The last share is 0 if q depends on the others, or there is no room. Overwrites q.
     """
-    before = rest = np.sqrt(dot(q, q))
+    shares, before = np.zeros(count + 1), np.sqrt(dot(q, q))
+    rest = before
     for _ in range(2):
         last = rest
         for k in range(count):
             share = dot(rows[k], q)
+            shares[k] += share
             for i in range(q.size):
                 q[i] -= share * rows[k, i]
-            for i in range(z.size):
-                z[i] -= share * others[k, i]
         rest = np.sqrt(dot(q, q))
-        if rest > 0.5 * last:  # little was subtracted, so that its round-off is negligible; else once more is enough
+        if rest > LITTLE * last:
             break
-    if not rest > 1e-10 * before or count == rows.shape[0]:
-        return False
-    for i in range(q.size):
-        rows[count, i] = q[i] / rest
-    for i in range(z.size):
-        others[count, i] = z[i] / rest
-    return True
+    if rest > 1e-10 * before and count < rows.shape[0]:
+        shares[count] = rest
+        for i in range(q.size):
+            rows[count, i] = q[i] / rest
+    return shares
 
 
 @njit(cache=True, nogil=True)
-def _share(z, q, first, last, w, r):
-    """Project r on the rows of q from first to last: add the solution to w, subtract it from r."""
+def _project(q, first, last, r, shares):
+    """Subtract from r its projection on the rows of q from first to last, and fill their shares."""
     for k in range(first, last):
-        share = dot(q[k], r)
-        for i in range(w.size):
-            w[i] += share * z[k, i]
-            r[i] -= share * q[k, i]
+        shares[k] = dot(q[k], r)
+        for i in range(r.size):
+            r[i] -= shares[k] * q[k, i]

@@ -213,7 +213,9 @@ class _Search:
     def _add(self, x, layered):
         """Add the part of x (size,) that is orthogonal to V, if there is room; layered: K x."""
         k = self.rows
-        if orthonormalise(self.v, k, x.astype(float), self.k, layered.astype(float)):
+        *shares, rest = orthonormalise(self.v, k, x.astype(float))
+        if rest:
+            self.k[k] = (layered - shares @ self.k[:k]) / rest
             self.w[k] = self.linearised.product(self.v[k], self.k[k])
             self.matrix[: k + 1, k] = self.v[: k + 1] @ self.w[k]
             self.matrix[k, :k] = self.w[:k] @ self.v[k]
