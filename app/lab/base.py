@@ -145,11 +145,21 @@ class LabPage(param.Parameterized):
     def _slider(self, control):
         limits, value = RANGES[control.name], getattr(self.scene, control.name)
         name = f"{control.label} {control.symbol}" + f" ({control.unit})" * bool(control.unit)
+        look = {"sizing_mode": "stretch_width"}
         step = 0.01 if control.high < 10 else 1.0
-        look = {"value": value, "step": step, "sizing_mode": "stretch_width"}
-        entry = pn.widgets.FloatInput(label=name, start=limits.low, end=limits.high, **look)
-        slider = pn.widgets.FloatSlider(start=control.low, end=control.high, show_value=False, **look)
-        slider.jslink(entry, value="value", bidirectional=True)
+        entry = pn.widgets.FloatInput(label=name, value=value, step=step, start=limits.low, end=limits.high, **look)
+        slider = pn.widgets.IntSlider(end=len(control.positions) - 1, show_value=False, **look)
+
+        def place(event=None):
+            slider.value = _closest(control.positions, entry.value)
+
+        def enter(event):
+            if event.new != _closest(control.positions, entry.value):  # else the entry has moved the slider
+                entry.value = control.positions[event.new]
+
+        place()
+        slider.param.watch(enter, "value")
+        entry.param.watch(place, "value")
         entry.param.watch(partial(self._change, control.name), "value")
         self._entries[control.name] = entry
         return pn.Column(entry, slider, styles=SLIDER)
@@ -165,3 +175,8 @@ class LabPage(param.Parameterized):
     async def _compute_later(self):
         await asyncio.sleep(PAUSE)
         await self.compute()
+
+
+def _closest(positions, value):
+    """Return the index of the position of a slider that is closest to a value."""
+    return min(range(len(positions)), key=lambda k: abs(positions[k] - value))

@@ -4,6 +4,7 @@ import pytest
 from served import PATIENCE, finished, found_by_axe
 
 from app import lab
+from app.session.controls import CONTROLS
 
 QUICK = "?nodes=64&width=160&radius=0.6&u_x_max=12&du_x=0.2&du_z=0.5&E=35&theme=dark"
 LONG = "area_laws", "stick_slip"  # their runs are those of the paper, in full size
@@ -55,9 +56,11 @@ def test_a_moved_slider_changes_the_scene_that_the_experiment_gets_back(visit):
 def test_a_slider_moves_its_entry_and_the_scene(visit):
     page = visit(QUICK.replace("?", "?lab=accuracy&"))
     page.get_by_role("slider", name="Friction / adhesion").press("ArrowRight")
-    page.locator("a[href*='phi_ratio=1.012']").wait_for()
-    assert page.get_by_role("textbox", name="Friction / adhesion").input_value() == "1.012"  # a hundredth of the slider
-    assert page.get_by_role("textbox", name="Stiffness").input_value() == "35"  # below the slider's range
+    positions = next(control.positions for control in CONTROLS if control.name == "phi_ratio")
+    value = f"{positions[positions.index(1.0) + 1]:g}"  # those of the experiment
+    page.locator(f"a[href*='phi_ratio={value}']").wait_for()
+    assert page.get_by_role("textbox", name="Friction / adhesion").input_value() == value
+    assert page.get_by_role("textbox", name="Stiffness").input_value() == "35"
 
 
 def test_a_file_larger_than_a_page_reads_is_refused_before_it_is_sent_and_the_connection_stays(visit):
