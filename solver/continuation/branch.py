@@ -140,16 +140,20 @@ class _Arc:
     def _at_target(self, points, fold=None):
         """The State at `target`, between the last two points: solved at fixed load once a point is near enough.
 
-        fold: the load of the newest point, if that is a fold.
+        fold: the load of the newest point, if that is a fold. Near a fold, two states have almost the same load. Only
+        the one before the fold counts; from a linear guess, round-off decides to which of both the solution comes.
         """
-        target = self.target
+        target, top = self.target, points[0].v
         for _ in range(6):  # more points on the arc change no run
             last, before = points[:2]
             part = (target - before.load) / (last.load - before.load)
+            if last.load == fold:  # the distance from a fold grows as the root of that in load
+                part = 1.0 - (1.0 - part) ** 0.5
             solution = self.corrector.solve(before.v + part * (last.v - before.v), target, self.state.secants)
             chord, arcs = _on_chord(points)
             # more than a tenth of the step beyond the newest point it may be past a fold, on the unstable branch
-            if solution and dot(chord, solution.v) <= arcs[0] + 0.1 * (arcs[0] - arcs[1]):
+            furthest = arcs[0] + 0.1 * (arcs[0] - arcs[1]) if fold is None else dot(chord, top)
+            if solution and dot(chord, solution.v) <= furthest:
                 break
             point = self._point_at(chord, arcs[1] + part * (arcs[0] - arcs[1]), points)
             if point is None:

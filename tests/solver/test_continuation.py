@@ -71,10 +71,12 @@ def test_a_fold_is_located_to_1e_9_whatever_the_increment(du, damping):
     assert done[-1].state.v[0] == pytest.approx(toy.at_rest(0.5, 1.2).v[0], abs=1e-11)
 
 
-def test_states_up_to_a_fold_are_those_of_the_stable_branch():
-    """The last target lies 1e-7 before the fold, where the branches are 4e-4 apart."""
+@pytest.mark.parametrize("start", [0.3, 0.36, 0.38, 0.3848])
+@pytest.mark.parametrize("before", [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9])
+def test_states_up_to_a_fold_are_those_of_the_stable_branch(start, before):
+    """The last target lies at most 1e-4 before the fold, where the branches are at most 0.015 apart."""
     toy = cubic()
-    targets = [*np.arange(-1.9, 0.38, 0.1), 0.38, CUBIC.fold - 1e-7]
+    targets = [*np.arange(-1.9, start - 0.01, 0.1), start, CUBIC.fold - before]
     done = followed(QuasiStatic(toy, 1.0, 2.0), toy.at_rest(-2.0, -1.6), targets)
     assert not slips_of(done) and [d.state.load for d in done] == targets
     for d in done:

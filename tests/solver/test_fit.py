@@ -6,7 +6,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from solver import NotConverged, NotFollowed, Scene, simulate, skeleton_of
+from solver import NotConverged, NotFollowed, Scene, follow, simulate, skeleton_of
 from solver.analysis.fit import fit
 from solver.analysis.measurement import DataError, Measurement, noise_of, read_measurement
 from solver.analysis.trial import Model
@@ -247,7 +247,10 @@ def test_the_curve_of_a_result_is_read_back_in_its_units(tmp_path, monkeypatch):
     result.table.to_csv("curve.csv", index=False)
     data, shear = read_measurement("curve.csv", SMALL), [f for f in result.frames if f.stage == "shear"]
     for name in ("F_bar", "L_bar", "A_bar"):
-        assert data.values[name] == pytest.approx([getattr(frame, name) for frame in shear], rel=1e-12)  # round-off
+        exact = np.array([getattr(frame, name) for frame in shear])
+        # the table prints 0 for a force that the tolerance of the run does not tell from 0
+        unknown = SMALL.tolerance / SMALL.delta_t * np.abs(exact).max()
+        assert data.values[name] == pytest.approx(exact, rel=1e-12, abs=unknown)
     assert not data.notes
 
 
@@ -265,15 +268,19 @@ def test_a_fit_prints_values_with_errors_and_units_the_verdict_and_its_cautions(
 
 
 def test_areas_in_nm_grow_with_a_free_width(skeleton):
-    """Derivatives of residuals by the width against central differences."""
+    """Derivatives of residuals by the width against central differences of the same states at two widths.
+
+    Two runs, each with states of its own, would not do: whether a run keeps 16 or 18 states can depend on round-off.
+    Between them its curve then differs by 5e-5, and the central difference by 0.05.
+    """
     U_x, values = measured(skeleton).U_x, measured(skeleton).values
     for width in (None, SMALL.width):
         data = Measurement.of(U_x, values, unit=SMALL.width * SMALL.E, width=width)
         model = Model(SMALL, data, ("width",))
         x, step = np.array([SMALL.width]), 1e-3
-        low, high = (model.trial(x + d, model.exact(model.scene_of(x + d))).residuals for d in (-step, step))
-        exact = model.trial(x, model.exact(model.scene_of(x))).jacobian[:, 0]
-        assert (high - low) / (2.0 * step) == pytest.approx(exact, rel=1e-3, abs=1e-3 * np.abs(exact).max())
+        low, high = (model.trial(x + d, follow(skeleton, model.scene_of(x + d))).residuals for d in (-step, step))
+        exact = model.trial(x, skeleton).jacobian[:, 0]
+        assert (high - low) / (2.0 * step) == pytest.approx(exact, rel=1e-4, abs=1e-5 * np.abs(exact).max())
 
 
 def test_rows_without_a_number_are_left_out_and_reported():
