@@ -14,9 +14,9 @@ from math import cosh, exp, expm1, sinh
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..continuation.compiled import kernel
 from ..mechanics.layer import stiffness
 from ..run.frame import Frame
 
@@ -64,7 +64,7 @@ def wavenumbers(scene, modes) -> NDArray[np.float64]:
     return 2.0 * np.pi / scene.width * np.arange(modes)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def shape_of(q, z, height, nu) -> tuple:
     """(y, eta, zeta, r, P, p, C, S): as above, r = 2 zeta y + 4 (1-nu)(1-2nu), and functions of depth.
 
@@ -81,21 +81,21 @@ def shape_of(q, z, height, nu) -> tuple:
     return y, eta, zeta, r, kappa * down * (1.0 + b), kappa * down * (1.0 - b), up * (1.0 + a), up * (1.0 - a)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def normal(shape) -> tuple[float, float]:
     """sigma_zz of a mode: (even) T_z + i (odd) T_x."""
     y, eta, zeta, r, P, p, C, S = shape
     return -(P + eta * p + (y + zeta) * S + (1.0 + r) * C), eta * (P + C) + r * S
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def shear(shape) -> tuple[float, float]:
     """sigma_xz of a mode: (even) T_x + i (odd) T_z."""
     y, eta, zeta, r, P, p, C, S = shape
     return -(P - eta * p - (y + zeta) * S + (1.0 + r) * C), eta * (P + C) - r * S
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def lateral(shape) -> tuple[float, float]:
     """sigma_xx of a mode: (even) T_z + i (odd) T_x."""
     y, eta, zeta, r, P, p, C, S = shape
@@ -103,7 +103,7 @@ def lateral(shape) -> tuple[float, float]:
     return even, 2.0 * p - eta * P + (3.0 * y + zeta) * C - (2.0 + r) * S
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def displacement(q, z, height, G, nu) -> tuple:
     """u_x = (even) T_x + i (odd) T_z and u_z = (even) T_z + i (odd) T_x of a mode, less those of the top; four numbers.
 
@@ -128,7 +128,7 @@ def displacement(q, z, height, G, nu) -> tuple:
     return -x_even * unit, -(both + apart) * unit, -z_even * unit, (both - apart) * unit
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _less(zeta):
     """zeta cosh zeta - sinh zeta without cancellation, for 0 <= zeta <= 1."""
     term, total = zeta**3 / 3.0, 0.0
@@ -138,7 +138,7 @@ def _less(zeta):
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def transfer(q, z, height, G, nu) -> NDArray[np.float64]:
     """(5, 2, nz, modes) real: u_x, u_z (nm/GPa), sigma_xx, sigma_zz, sigma_xz at depths z (nm) per traction of modes q.
 

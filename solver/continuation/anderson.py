@@ -6,7 +6,8 @@ Source: Anderson 1965, doi:10.1145/321296.321305; Walker & Ni 2011, doi:10.1137/
 """
 
 import numpy as np
-from numba import njit
+
+from .compiled import kernel
 
 # Added to the normalised Gram matrix, so that pairs which depend on each other to within it do not count twice.
 # 1e-12 to 1e-8 reach the same states, with up to 16 % more and 1 % fewer evaluations (tests/bench/constants.py).
@@ -57,7 +58,7 @@ class Secants:
         return Secants, self.du.shape
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+@kernel(fastmath={"reassoc", "contract", "nsz"})
 def dot(a, b) -> float:
     """a . b of two (size,), summed in vector lanes."""
     total = 0.0
@@ -66,7 +67,7 @@ def dot(a, b) -> float:
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
     for i in range(u.size):
         du[slot, i] = u[i] - u_before[i]
@@ -75,7 +76,7 @@ def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
         gram[slot, j] = gram[j, slot] = dot(dr[slot], dr[j])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _split(du, dr, gram, slot, r, eps, forget, work, move, rest):
     """Subtract sum c_j du_j from move and sum c_j dr_j from rest, with the c that minimise |r - sum c_j dr_j|.
 
@@ -89,13 +90,13 @@ def _split(du, dr, gram, slot, r, eps, forget, work, move, rest):
         _subtract(rest, c[j] * scale[j], dr[j])
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def _subtract(total, c, row):
     for i in range(total.size):
         total[i] -= c * row[i]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+@kernel(fastmath={"reassoc", "contract", "nsz"})
 def _coefficients(dr, gram, slot, r, eps, forget, upper, y, d):
     """Least-squares coefficients y d of r in the rows of dr, by Cholesky of the normalised, regularised Gram matrix."""
     rows = y.size
@@ -122,7 +123,7 @@ def _coefficients(dr, gram, slot, r, eps, forget, upper, y, d):
             y[k] -= upper[k, i] * y[i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def advance(u, move, bound) -> float:
     """Add move to u (size,) in place, scaled so that no number changes by more than bound; returns the scale."""
     largest = 0.0

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 from scipy.linalg import lu_factor, lu_solve, solve_triangular
 
 from .anderson import dot
+from .compiled import kernel
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
 # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
@@ -113,7 +113,7 @@ class Solves:
         return lu_factor(A, check_finite=False)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def orthonormalise(rows, count, q) -> np.ndarray:
     """Append q (size,) to `rows`, made orthonormal to the first `count`; return its shares (count + 1,) in these rows.
 
@@ -138,7 +138,7 @@ def orthonormalise(rows, count, q) -> np.ndarray:
     return shares
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _project(q, first, last, r, shares):
     """Subtract from r its projection on the rows of q from first to last, and fill their shares."""
     for k in range(first, last):

@@ -18,7 +18,8 @@ Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRe
 from math import ceil, log2, sqrt
 
 import numpy as np
-from numba import njit
+
+from .compiled import kernel
 
 # With half and twice of each, slips land alike (tests/bench/constants.py). A "closed" node touches springs in
 # registry, where they are stiffest.
@@ -145,7 +146,7 @@ def _applied(blocks, y):
     return np.array([xx * y[0] - 1j * c * y[1], zz * y[1] + 1j * c * y[0]])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _step(y, change, force, k, keep, push):
     """One step of all modes in place, under the `force` (2, modes) of all but the layer."""
     for q in range(y.shape[1]):

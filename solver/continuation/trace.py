@@ -13,9 +13,9 @@ from math import ceil, floor
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from .compiled import kernel
 from .state import TINY, End, Increment, Point, State
 
 SAME_STATE = 0.01  # units of the problem: closer states are the same; others differ by a good part of a site
@@ -32,7 +32,7 @@ def lagrange(nodes: ArrayLike, x: ArrayLike) -> NDArray[np.float64]:
     return _lagrange(nodes.reshape(-1, nodes.shape[-1]), np.asarray(x, float).reshape(-1)).reshape(nodes.shape)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")  # where two nodes are one, weights are infinite
+@kernel(error_model="numpy")  # where two nodes are one, weights are infinite
 def _lagrange(nodes, x):
     """As `lagrange`, (k, n) for (k, n) and (k,): a run asks for so few weights so often that numpy's calls add up."""
     weights = np.ones_like(nodes)

@@ -12,7 +12,8 @@ Loops over nodes hold no branch and no call, so that they compile to vector inst
 """
 
 import numpy as np
-from numba import njit
+
+from ..continuation.compiled import kernel
 
 DEEPEST = -50.0  # dn/delta_n: deeper nodes, which occur in iterates only, count as this deep; exp(50) is finite
 # dn/delta_n: nodes farther away count as this far. They pull with 1e-24 of the strength, and no product of two such
@@ -36,7 +37,7 @@ def law_constants(scene) -> np.ndarray:
     return np.array([*strengths, *lengths, OPENING[scene.law]])
 
 
-@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+@kernel(fastmath=_fast, error_model="numpy")
 def _exponents(u_x, u_z, profile, law, work):
     """Fill rows of work: 0 to 2 with -dn, -r^2 and 2 a r, 5 with dn, 6 with r, the distance of the nearest site."""
     delta_n, delta_t, a = law[2], law[3], law[4]
@@ -58,7 +59,7 @@ def window_sums(u_x, u_z, profile, law, work) -> None:
     _window_sums(law, work)
 
 
-@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+@kernel(fastmath=_fast, error_model="numpy")
 def _window_sums(law, work):
     a, window, m = law[4], law[5], work.shape[1]
     s0, up, s1, s2, r = work[1], work[2], work[3], work[4], work[6]
@@ -85,7 +86,7 @@ def _window_sums(law, work):
             s2[i] += front * front * g + back * back * h
 
 
-@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+@kernel(fastmath=_fast, error_model="numpy")
 def _tractions(work, law, T_x, T_z):
     normal, shear, c = law[0], law[1], law[6]
     e, s0, s1, dn = work[0], work[1], work[3], work[5]
@@ -104,7 +105,7 @@ def tractions(u, profile, law, work, out) -> None:
     _tractions(work, law, out[0], out[1])
 
 
-@njit(cache=True, nogil=True, fastmath=_fast, error_model="numpy")
+@kernel(fastmath=_fast, error_model="numpy")
 def _tangents(work, law, out):
     normal, shear, delta_n, delta_t, c = law[0], law[1], law[2], law[3], law[6]
     e, s0, s1, s2, dn = work[0], work[1], work[3], work[4], work[5]
@@ -125,7 +126,7 @@ def tangents(u, profile, law, work, out) -> None:
     _tangents(work, law, out)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add_product(J, x, z, out_x, out_z):
     for i in range(x.size):
         a, b = x[i], z[i]

@@ -9,8 +9,8 @@ and bears no other force, so the layer always carries p_0, the mean of T_z over 
 from copy import copy
 
 import numpy as np
-from numba import njit
 
+from ..continuation.compiled import kernel
 from ..continuation.state import PulledOff
 from .linearised import Linearised
 from .surface import Surface
@@ -119,7 +119,7 @@ class Equilibrium:
         return self._motion
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _residual(v, displaced_x, displaced_z, top_x, top_z, out):
     largest, total, m = 0.0, 0.0, displaced_x.size
     for i in range(m):

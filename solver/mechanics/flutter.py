@@ -6,8 +6,8 @@ not a proof: `tests/bench/rests.py` counts exceptions among dense spectra.
 """
 
 import numpy as np
-from numba import njit
 
+from ..continuation.compiled import kernel
 from . import cohesive_law
 from .layer import Modes
 
@@ -62,7 +62,7 @@ def safe_friction(tangents, stiffness, nodes) -> float:
         variance, wider = wider, WIDER * wider
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _average(field, share, passes):
     """So many times, in place: every place of field (4, places) gets that share of both neighbours' values.
 
@@ -78,7 +78,7 @@ def _average(field, share, passes):
                 before = value
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _largest(field, k, lowest, highest, finer):
     """Largest (Im mu)^2/|Re mu| of decaying waves from `highest` to `lowest`, over the places of field (4, places)."""
     worst, p = 0.0, highest

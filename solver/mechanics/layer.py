@@ -10,7 +10,8 @@ from threading import Lock
 
 import numpy as np
 import pyfftw
-from numba import njit
+
+from ..continuation.compiled import kernel
 
 # Powers in the series of sinh y - y: for y <= 1, the next one is below round-off
 ODD = range(3, 22, 2)
@@ -134,7 +135,7 @@ class Convolution:
         self._fft.backward()
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def multiply(spectrum, c) -> None:
     """Multiply spectrum (2, modes) in place by blocks [[xx, i c], [-i c, zz]], c (3, modes) with rows xx, zz, c.
 

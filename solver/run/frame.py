@@ -7,9 +7,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..continuation.compiled import kernel
 from ..continuation.rest import REST
 from ..mechanics.flutter import safe_damping
 from ..scene import Scene
@@ -212,7 +212,7 @@ def least_repulsion(scene) -> float:
     return share * scene.phi_n / scene.delta_n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _repelled(T_z, closed, least):
     """The length under repulsion, in node spacings; closed: the last node is next to the first, else nothing is."""
     length, here = 0.0, (T_z[-1] if closed else 0.0) - least

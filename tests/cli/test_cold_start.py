@@ -2,10 +2,14 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+import solver
 
 SCRIPT = """
 import json, pkgutil
@@ -41,3 +45,19 @@ def test_a_new_worker_counts_the_kernels_it_compiles(tmp_path):
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=cold)
     counts, kernels = run.stdout.rsplit(" ", 1)
     assert json.loads(counts) == [*range(1, int(kernels) + 1)]
+
+
+def test_a_run_without_a_writable_folder_computes_and_prints_one_sentence(tmp_path):
+    """A file stands wherever Numba would make a folder, which stops the administrator, too."""
+    blocked = tmp_path / "file"
+    blocked.touch()
+    here = tmp_path / "installed"
+    shutil.copytree(Path(solver.__file__).parent, here / "solver", ignore=shutil.ignore_patterns("__pycache__"))
+    for folder in [here / "solver", *(path for path in (here / "solver").rglob("*") if path.is_dir())]:
+        (folder / "__pycache__").touch()
+    names = "HOME", "XDG_CACHE_HOME", "LOCALAPPDATA", "USERPROFILE", "NUMBA_CACHE_DIR"
+    closed = os.environ | {name: str(blocked) for name in names} | {"PYTHONPATH": str(here)}
+    command = [sys.executable, "-m", "solver", "run", "--set", "surface=flat", "nodes=16", "width=40", "u_x_max=1"]
+    run = subprocess.run(command, capture_output=True, text=True, env=closed, cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert run.stderr.count("NUMBA_CACHE_DIR") == 1 and "Traceback" not in run.stderr
