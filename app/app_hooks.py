@@ -2,6 +2,8 @@
 
 import gc
 import logging
+import os
+import signal
 from concurrent.futures import CancelledError
 from contextlib import suppress
 from pathlib import Path
@@ -28,17 +30,26 @@ log = logging.getLogger("app")
 server_log.configure()  # before Bokeh logs the first line
 settings.perform_document_validation = False  # a walk through all models at each visit, for developers
 routes.install()
-shared(f"/{Path(__file__).parent.name}")
+PARENT = os.getpid()  # that of a server made by --num-procs, which forks after this line
 
 
 def on_server_loaded(server_context: Any) -> None:
     """Start the workers, then load code and compute runs that the first page does not need: the port is open."""
+    shared(f"/{Path(__file__).parent.name}")
     pool.start()
+    if os.getpid() != PARENT:
+        PeriodicCallback(_end_with_parent, LOOK).start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()
     server_log.log_addresses()
     Thread(target=_load, name="load", daemon=True).start()
     IOLoop.current().spawn_callback(jobs.precompute, [preset.scene for preset in row().values()])
+
+
+def _end_with_parent():
+    """End this server, one of --num-procs, when its parent has ended: Tornado's parent tells its children nothing."""
+    if os.getppid() != PARENT:
+        os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _load():

@@ -15,6 +15,7 @@ from bokeh.server.tornado import BokehTornado
 from bokeh.settings import settings
 from panel.io.resources import DIST_DIR
 
+from app import server_log
 from app.hosts import refused_host
 from app.session.message_filter import MessageFilter
 from app.web import Files, ForeignHost, Liveness, Metrics, NotFound, Page, Root, Scripts
@@ -47,6 +48,7 @@ class Application(BokehTornado):
         options |= {"default_handler_class": NotFound, "websocket_max_message_size_bytes": MESSAGE}
         options["session_token_expiration"] = max(LESSON, options.get("session_token_expiration", LESSON))
         super().__init__(*arguments, **options)
+        server_log.bound(options.get("absolute_url"))
         pages = [(url.rstrip("/") + route, handler) for url in self.applications for route, handler in PAGE]
         listed = {(f"{self.prefix}{route}$", handler) for route, handler, *_ in [*pages, *SERVER]}
         found = {(rule.matcher.regex.pattern, rule.target): rule for rule in self.wildcard_router.rules}

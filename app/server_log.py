@@ -11,6 +11,7 @@ from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
+from urllib.parse import urlsplit
 
 from tornado.websocket import WebSocketClosedError
 
@@ -20,6 +21,7 @@ log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
 HERE = Path(__file__).parent
 BARE = re.compile(r"[\w.:/+-]+")
+_bound = dict[str, str]()  # {"port": of this process}, once a server listens
 ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation; used to find the own address, nothing is sent
 
 
@@ -81,13 +83,22 @@ class Reach(NamedTuple):
     commands: list[tuple[str, str]]  # (origin, command), for each address of this machine
 
 
+def bound(url: str | None) -> None:
+    """Remember the port that the server of this process listens at: with --port 0 the system chooses it."""
+    port = urlsplit(url or "").port
+    if port:
+        _bound["port"] = str(port)
+
+
 def reach(arguments: Any = None) -> Reach:
-    """Return the Reach of a server with these command line arguments; None: those of this process.
+    """Return the Reach of a server with these command line arguments; None: those of this process, at its bound port.
 
     A server that accepts every host name is reached by the address of the machine.
     """
     given = sys.orig_argv if arguments is None else arguments  # Bokeh replaces sys.argv while it loads the app
     port = (_option(given, "--port") or ["5006"])[-1]
+    if arguments is None:
+        port = _bound.get("port", port)
     known = [*_option(given, "--allow-websocket-origin"), *os.environ.get("BOKEH_ALLOW_WS_ORIGIN", "").split(",")]
     own = [f"{address}:{port}" for address in addresses()]
     hosts = [host for host in known if host and "*" not in host and not OWN.fullmatch(host.lower())]

@@ -36,7 +36,7 @@ CONNECTS = 60.0  # s within which a browser connects to the session of a researc
 YEAR = 31_536_000  # s
 HTML = "text/html; charset=utf-8"
 NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors "
-HOST = re.compile(r"[\w.:\[\]-]+")
+HOST = re.compile(r"[\w.-]+(:\d+)?")  # as a policy can name it: an IPv6 address cannot be named
 REFUSAL = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>{more}
 <meta name="viewport" content="width=device-width"><style>:root {{ color-scheme: light dark }}
 body {{ font: 18px/1.5 system-ui; margin: 2em auto; padding: 0 1em; max-width: 36em; overflow-wrap: anywhere }}</style>

@@ -3,6 +3,7 @@
 import contextlib
 import http.client
 import json
+import re
 import subprocess
 import sys
 import urllib.request
@@ -89,3 +90,38 @@ def test_a_server_of_the_file_alone_ends_with_a_sentence_at_the_first_visit():
             assert "Serve the folder: panel serve app" in server.stdout.read()
         finally:
             server.kill()
+
+
+@contextlib.contextmanager
+def started(*options):
+    """(the process of `panel serve app`, an iterator over the lines of its log)."""
+    panel = Path(sys.executable).parent / "panel"
+    command = [panel, "serve", "app", "--address", "127.0.0.1", *options]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
+        try:
+            yield server, iter(server.stdout)
+        finally:
+            server.kill()
+
+
+@pytest.mark.slow
+def test_a_class_reads_the_port_that_the_system_has_chosen():
+    with started("--port", "0", "--allow-websocket-origin=*") as (_, lines):
+        seen = [next(line for line in lines if words in line) for words in ("running at", "visitors open")]
+        port = re.search(r"127.0.0.1:(\d+)", seen[0])[1]
+        assert port != "0" and f":{port}/app" in seen[1]
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/app", timeout=120) as page:
+            found = re.findall(r"http://[\d.]+:(\d+)", page.read().decode())
+        assert found and set(found) == {port}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="--num-procs needs a fork")
+def test_servers_of_num_procs_end_with_their_parent():
+    """They share the pipe of the log with it, which has an end only when all of them have ended."""
+    with started("--port", "0", "--num-procs", "2") as (server, lines):
+        ready = (line for line in lines if "for a class" in line or "visitors open" in line or "Starting Bokeh" in line)
+        for _ in range(3):  # the parent's line, and one of each child
+            next(ready)
+        server.terminate()
+        assert sum("the server is being stopped" in line for line in lines) == 2

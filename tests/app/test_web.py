@@ -479,6 +479,16 @@ def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     assert caplog.messages[-1] == "visitors open https://contact.example/lab/app"
 
 
+@pytest.mark.parametrize("host", ["localhost:5006", "127.0.0.1", "contact.example:443"])
+def test_the_policy_names_the_host_of_the_websocket(host):
+    assert f"connect-src 'self' ws://{host} wss://{host};" in web.policy(host, "n", "'self'")
+
+
+def test_the_policy_leaves_out_an_ipv6_address_which_no_policy_can_name():
+    """Browsers report it as invalid; 'self' covers the websocket there."""
+    assert "connect-src 'self';" in web.policy("[::1]:5006", "n", "'self'")
+
+
 def test_reach_names_no_origin_that_only_this_computer_opens(monkeypatch):
     monkeypatch.setattr(server_log, "addresses", lambda: ["192.0.2.7"])
     monkeypatch.delenv("BOKEH_ALLOW_WS_ORIGIN", raising=False)
