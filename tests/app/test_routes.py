@@ -110,9 +110,6 @@ def test_a_class_reads_the_port_that_the_system_has_chosen():
         seen = [next(line for line in lines if words in line) for words in ("running at", "visitors open")]
         port = re.search(r"127.0.0.1:(\d+)", seen[0])[1]
         assert port != "0" and f":{port}/app" in seen[1]
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/app", timeout=120) as page:
-            found = re.findall(r"http://[\d.]+:(\d+)", page.read().decode())
-        assert found and set(found) == {port}
 
 
 @pytest.mark.slow

@@ -479,6 +479,14 @@ def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     assert caplog.messages[-1] == "visitors open https://contact.example/lab/app"
 
 
+def test_the_page_shares_the_port_that_is_bound(monkeypatch):
+    monkeypatch.setattr(server_log, "addresses", lambda: ["192.0.2.7"])
+    monkeypatch.setattr(server_log, "_bound", {})
+    monkeypatch.setattr(sys, "orig_argv", ["panel", "serve", "app", "--port", "0", "--allow-websocket-origin=*"])
+    server_log.bound("http://127.0.0.1:4321/")
+    assert page._declarations("")["reach"]["origins"] == ["http://192.0.2.7:4321"]
+
+
 @pytest.mark.parametrize("host", ["localhost:5006", "127.0.0.1", "contact.example:443"])
 def test_the_policy_names_the_host_of_the_websocket(host):
     assert f"connect-src 'self' ws://{host} wss://{host};" in web.policy(host, "n", "'self'")

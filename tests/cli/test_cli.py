@@ -524,7 +524,8 @@ def test_the_console_script_is_the_command_line(monkeypatch, capsys):
 
 def test_ci_runs_exactly_the_test_command_of_the_readme():
     shown = subprocess.run([ROOT / ".ci" / "run", "--print"], capture_output=True, text=True, timeout=60, check=True)
-    assert shown.stdout == 'pip install -e ".[test]" && pytest\n'
+    environment = "python3 -m venv .venv && . .venv/bin/activate"
+    assert shown.stdout == f'{environment} && pip install -e ".[test]" && pytest\n'
     assert f"- test: `{shown.stdout.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
