@@ -45,7 +45,7 @@ class CompilingNotice(Listener):
     def on_start(self, event: Event) -> None:
         if not self.shown:
             self.shown = True
-            print("Compiling, once per installation: later runs start at once", file=sys.stderr, flush=True)
+            print("Compiling: a later run starts at once, where compiled code can be kept", file=sys.stderr, flush=True)
 
     def on_end(self, event: Event) -> None:
         pass
