@@ -12,6 +12,7 @@ from .results import FIRST, first_of
 from .run.loadpath import load_path
 from .run.summary import first_slip
 from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+from .schema import unknown_name
 
 if TYPE_CHECKING:  # `import solver` needs numerics only
     import pandas as pd
@@ -23,8 +24,8 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
     Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm),
     and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
-    Raises ValueError for a name that is no parameter, or values that are no list; SceneError for a value outside its
-    range, and for one that path 'points' does not use.
+    Raises SceneError (a ValueError) for a name that is no parameter, a value outside its range, and one that path
+    'points' does not use; ValueError for values that are no list, and for workers below 1.
 
     With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
 
@@ -32,6 +33,8 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     """
     import pandas as pd
 
+    if not isinstance(workers, int) or workers < 1:
+        raise ValueError(f"workers = {workers!r}: allowed: a whole number from 1; leave it out for one process")
     combinations, scenes = _swept(scene or Scene(), values)
     found = dict(outcomes(row_of, scenes, workers) if workers > 1 else enumerate(map(row_of, scenes)))
     rows = [row if isinstance(row, dict) else {"outcome": f"not computed: {row}"} for _, row in sorted(found.items())]
@@ -43,7 +46,7 @@ def _swept(scene, values):
     """(the combinations of {name: values}, the Scene of each); raises as `sweep`."""
     for name, listed in values.items():
         if name not in PARAMETERS:
-            raise ValueError(f"{name} is no parameter of a Scene; allowed: {', '.join(PARAMETERS)}")
+            raise unknown_name(name, PARAMETERS)
         if isinstance(listed, str) or not isinstance(listed, Iterable):
             raise ValueError(f"{name} = {listed!r}: allowed: a list of values; write {name}=[{listed!r}]")
     combinations = [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]

@@ -1,6 +1,6 @@
-"""The physics: the NP1 law, the elastic layer, and the surface between them as a problem for `continuation`.
+"""The physics: the cohesive laws, the elastic layer, and the surface between them as a problem for `continuation`.
 
-cohesive_law  tractions and tangents of an NP1 spring, and of nodes against all lattice sites in the window
+cohesive_law  tractions and tangents of a spring, and of nodes against all lattice sites in the window
 layer         stiffness and compliance of the layer per Fourier mode, and products with them
 contact       a patch of nodes with law and layer: tractions, tangents, response; counts force evaluations
 equilibrium   the contact as a problem; under a held load the height of the top is one more unknown

@@ -205,15 +205,15 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
     """The same failure of a LoadStep, with the load and a remedy in its message."""
     if isinstance(failure, PulledOff):
         return failure
-    remedy = "try fewer nodes, a larger tolerance, or a smaller du_x or du_z"
+    remedy = "try a larger tolerance, or a smaller du_x or du_z"
     if isinstance(failure, Restless):
         soft = any(scene.drive_compliance) or step.held
         overdamped = "damping=inf, " * (soft and scene.damping != inf)
         weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
         remedy = f"try {overdamped}another indentation or a larger E{weaker}"
-    if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
-        remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
-    elif not fast and not isinstance(failure, Restless):
+        if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
+            remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
+    elif not fast:
         remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
     return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")

@@ -75,6 +75,17 @@ def test_a_run_without_a_slip_has_no_first_slip_and_no_pull_off():
     assert short.first_slip is None and short.pull_off is None
 
 
+def test_a_misspelt_name_of_a_sweep_is_answered_by_the_one_meant():
+    with pytest.raises(ValueError, match=r"; did you mean delta_bar\?$"):
+        sweep(SMALL, deltabar=[0.1])
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5])
+def test_a_sweep_rejects_less_than_one_process(workers):
+    with pytest.raises(ValueError, match=rf"^workers = {workers}: allowed: a whole number from 1"):
+        sweep(SMALL, workers=workers, delta_bar=[0.1])
+
+
 def test_slips_and_sweeps_show_all_columns_on_80_characters(result):
     table = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[0.5, 1.0])
     with pd.option_context("display.width", 80, "display.max_columns", 0):
@@ -155,7 +166,7 @@ def test_a_sweep_in_processes_gives_the_same_numbers():
 
 
 def test_a_sweep_rejects_a_name_that_is_no_parameter():
-    with pytest.raises(ValueError, match=r"stiffness is no parameter.*allowed: .*\bE\b"):
+    with pytest.raises(ValueError, match=r"^name = 'stiffness': allowed: .*\bE\b"):
         sweep(SMALL, stiffness=[1.0])
 
 

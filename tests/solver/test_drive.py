@@ -16,7 +16,7 @@ from solver.analysis.friction_laws import critical_modulus, friction, friction_f
 from solver.analysis.measurement import Measurement
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
-from solver.continuation.state import Restless
+from solver.continuation.state import NotConverged, Restless
 from solver.following.follow import follow
 from solver.following.from_run import skeleton_of
 from solver.run.frame import slips_in
@@ -130,8 +130,10 @@ def test_normal_drive_leads_from_a_held_indentation_to_a_held_load():
     assert heights[-2] == pytest.approx(held.delta, abs=1e-5 * sink)
     assert heights[-1] == pytest.approx(held.delta, abs=3.0 * scenes[-1].tolerance)
     assert loads[-1] == pytest.approx(held.L_bar, abs=1e-5 * abs(stiff.L_bar))
+    # what the tolerance leaves of the force of each of two states, 2e-11; BLAS kernels differ within that
+    left = 2.0 * scene.tolerance / scene.delta_t * abs(held.F_bar)
     for soft in driven[-2:]:
-        assert soft.F_bar == pytest.approx(held.F_bar, abs=1e-5 * abs(stiff.F_bar - held.F_bar))
+        assert soft.F_bar == pytest.approx(held.F_bar, abs=1e-5 * abs(stiff.F_bar - held.F_bar) + left)
 
 
 def test_strongly_damped_fall_under_a_soft_drive_rests_at_the_load_of_its_fold():
@@ -235,3 +237,11 @@ def test_a_wave_that_grows_under_a_soft_drive_is_found_before_a_frame_is_unstabl
     frames = list(load_path(scene))
     assert any(frame.slips for frame in frames)
     assert max(growth(scene, frame, False) for frame in frames if frame.T.any()) <= 1e-6
+
+
+@pytest.mark.parametrize("damping", [0.5, 1.0])
+def test_the_remedy_for_an_increment_that_does_not_converge_changes_no_physics(damping):
+    """Nodes are the lattice, and damping matters to a motion that does not come to rest only."""
+    scene = Scene(damping=damping)
+    said = str(with_remedy(NotConverged("the residual is 1 nm"), scene, load_steps_of(scene)[0], 0.0))
+    assert said.endswith("; try a larger tolerance, or a smaller du_x or du_z")

@@ -460,3 +460,8 @@ def test_a_checkpoint_after_2000_increments_is_small():
     """Of 256 nodes; states are thinned as the run goes on."""
     checkpoint = checkpoints(SMALL.changed(u_x_max=200.0))[-1]
     assert checkpoint.increment == 2000 and len(pickle.dumps(checkpoint)) < 500_000
+
+
+def test_loads_of_slips_are_plain_numbers(skeleton):
+    """As in a run's SlipEvents: they are printed and written to JSON."""
+    assert {type(event.load) for event in skeleton.slips} == {float}
