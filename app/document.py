@@ -1,4 +1,4 @@
-"""What this app uses of a Bokeh document beyond its documentation (Bokeh 3.9); tests/app/test_document.py guards it.
+"""What this app uses of a Bokeh document beyond its documentation; tests/app/test_document.py guards it.
 
 The message event is documented, but not that the callbacks of a document send it. `doc.models.freeze` is internal.
 """
@@ -9,6 +9,8 @@ from typing import Any
 
 from bokeh.document import Document
 from bokeh.document.events import MessageSentEvent
+
+from app.on_loop import on_loop
 
 
 def send(doc: Document, kind: str, content: dict[str, Any]) -> None:
@@ -24,7 +26,7 @@ def frozen(doc: Document) -> AbstractContextManager[None]:
 def later(doc: Document, call: Callable[[], object]) -> None:
     """Make a call under the lock of a document; any thread may call this. A destroyed document makes no call."""
     try:
-        doc.add_next_tick_callback(call)
+        doc.add_next_tick_callback(on_loop(call))
     except AttributeError:
         if hasattr(doc.callbacks, "_change_callbacks"):  # a destroyed document has lost them
             raise

@@ -33,7 +33,7 @@ def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any])
     """
     import pandas as pd
 
-    if not isinstance(workers, int) or workers < 1:
+    if workers < 1 or workers != int(workers):
         raise ValueError(f"workers = {workers!r}: allowed: a whole number from 1; leave it out for one process")
     combinations, scenes = _swept(scene or Scene(), values)
     found = dict(outcomes(row_of, scenes, workers) if workers > 1 else enumerate(map(row_of, scenes)))

@@ -192,14 +192,14 @@ def pool():
 def session():
     """A visitor whose pool does nothing."""
     from bokeh.document import Document
-    from visitor import NoPool
+    from visitor import NoPool, ended
 
     from app.pages import Pages
     from app.service.jobs import Jobs
     from app.session.session import Session
 
     visit = Session(Document(), Pages, {}, Jobs(NoPool()))
-    visit.doc.add_next_tick_callback = lambda call: call()  # no server: at once
+    visit.doc.add_next_tick_callback = lambda call: ended(call())  # no server: at once
     for slot in visit.pages.slots.values():
         visit.doc.add_root(slot)
     yield visit

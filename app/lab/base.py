@@ -11,6 +11,7 @@ import panel as pn
 import param
 
 from app.lab import back
+from app.on_loop import on_loop
 from app.service.jobs import jobs
 from app.service.tasks import Failed, tried
 from app.session.controls import CONTROLS, RANGES, changed_scene
@@ -63,10 +64,13 @@ class LabPage(param.Parameterized):
         busy = self.param.share.rx.is_not(None)
         done = pn.bind(lambda share: round(100 * (share or 0)), self.param.share)
         progress = pn.indicators.Progress(value=done, visible=busy)
-        cancel = pn.widgets.Button(label="Cancel", on_click=self.cancel, visible=busy)
+        cancel = pn.widgets.Button(label="Cancel", on_click=on_loop(self.cancel), visible=busy)
         heading = [pn.pane.HTML(pn.bind(back, self.param.scene))] if "lab" in pn.state.session_args else []
         heading.append(pn.pane.Markdown(f"# {self.TITLE}\n{self.STATEMENT}"))
-        pn.state.onload(self.start)
+        if pn.state.curdoc:
+            pn.state.onload(on_loop(self.start))
+        else:  # in a notebook
+            self.start()
         sliders = side_by_side(*(self._slider(control) for control in CONTROLS))
         look = ["pre { white-space: pre-wrap; font: inherit }"]
         words = pn.pane.Str(self.param.text, sizing_mode="stretch_width", stylesheets=look)
@@ -74,7 +78,7 @@ class LabPage(param.Parameterized):
 
         self._follow.append(partial(pn.io.push_notebook, page))
         data = [name for name in self.param if name not in ("name", "share", "text")]
-        self.param.watch(lambda *events: [pn.state.execute(each, schedule=True) for each in self._follow], data)
+        self.param.watch(self._draw_later, data)
         return page
 
     def chart(self, curves: Callable[[], Sequence[Curve]], x: str, y: str, **look: Any) -> pn.pane.Bokeh:
@@ -88,6 +92,10 @@ class LabPage(param.Parameterized):
         table = pn.pane.DataFrame(rows(), index=False)
         self._follow.append(lambda: setattr(table, "object", rows()))
         return table
+
+    def _draw_later(self, *events):
+        for each in self._follow:
+            pn.state.execute(on_loop(each), schedule=True)
 
     def start(self, compute: Callable[[], Coroutine[Any, Any, None]] | None = None) -> None:
         """Compute in place of what is computed now."""

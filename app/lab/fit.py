@@ -15,6 +15,7 @@ import panel as pn
 import param
 
 from app.lab.base import LabPage, side_by_side
+from app.on_loop import on_loop
 from app.service import tasks
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
@@ -138,15 +139,16 @@ class Fit(LabPage):
     def content(self) -> list[Any]:
         file = pn.widgets.FileInput(accept=".csv,.txt,.dat")
         file.param.watch(lambda event: self.start(partial(self.read, event.new or b"")), "value")
-        example = pn.widgets.Button(label="Generate example data", on_click=lambda event: self.start(self.example))
+        generate = on_loop(lambda event: self.start(self.example))
+        example = pn.widgets.Button(label="Generate example data", on_click=generate)
         curves = self.chart(self.curves, "U_x (nm)", "force (N/m)", title="Friction over displacement")
         residuals = self.chart(self.residuals, "U_x (nm)", "fitted − measured F (noise)", title="Residuals")
         return [
             side_by_side(file, example),
             pn.widgets.CheckBoxGroup.from_param(self.param.free, inline=True, **NARROW),
             side_by_side(
-                pn.widgets.Button(label="Fit", on_click=lambda event: self.start(self.fit)),
-                pn.widgets.Button(label="Apply to sliders", on_click=self.apply),
+                pn.widgets.Button(label="Fit", on_click=on_loop(lambda event: self.start(self.fit))),
+                pn.widgets.Button(label="Apply to sliders", on_click=on_loop(self.apply)),
             ),
             side_by_side(curves, residuals),
             self.table(self.rows),

@@ -19,6 +19,7 @@ from tornado.ioloop import IOLoop
 from tornado.websocket import WebSocketClosedError
 
 from app.environment import VISITORS
+from app.on_loop import on_loop
 from app.page import shared
 from app.service import metrics
 from app.session import orders
@@ -145,7 +146,7 @@ class MessageFilter(WSHandler):
         """Let Bokeh apply changes of the widgets, or send the document. An error ends the connection."""
         session = self._session
         if message.msgtype == "PULL-DOC-REQ":
-            return await self.send_message(await self.handler.handle(message, self.connection))
+            return await self._give_own_document(message)
         try:
             await self.send_message(await session.patch(message, self.connection))
         except Exception as error:
@@ -153,14 +154,21 @@ class MessageFilter(WSHandler):
 
     async def _answer(self, message, given):
         session = self._session
-        visitor = next((each for each in visitors if each.doc is session.document), None)
+        here = tuple(visitors)  # under Bokeh 3.10 a thread may add one
+        visitor = next((each for each in here if each.doc is session.document), None)
         if message.msgtype != "PULL-DOC-REQ":
             for order in given if visitor else ():
-                await session.with_document_locked(visitor.obey, order)
+                await session.with_document_locked(on_loop(visitor.obey, order))
         elif isinstance(session.document.get_model_by_id("wire"), orders.Wire):
             await session.with_document_locked(self._give_document, message.header["msgid"])
         else:  # the document shows the error
-            await self.send_message(await self.handler.handle(message, self.connection))
+            await self._give_own_document(message)
+
+    async def _give_own_document(self, message):
+        """Let Bokeh answer the request for a document: Bokeh 3.10 sends it, 3.9 returns the message to send."""
+        reply = await self.handler.handle(message, self.connection)
+        if reply is not None:
+            await self.send_message(reply)
 
     async def _give_document(self, number):
         """Answer the request for a document with the text that all visitors share."""

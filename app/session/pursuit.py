@@ -21,6 +21,7 @@ from typing import Any
 
 from app import document
 from app.limits import increments_of
+from app.on_loop import on_loop
 from app.service import metrics, worker
 from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
 from app.service.jobs import Job
@@ -94,7 +95,7 @@ class Pursuit:
         self.requested, self.held, self.overdue = request, request.held, False
         self.wake.step()
         if self.requested is request and self.state == "exact":
-            self.session.doc.add_timeout_callback(partial(self._time_out, request), round(1000 * PATIENCE))
+            self.session.doc.add_timeout_callback(on_loop(self._time_out, request), round(1000 * PATIENCE))
 
     def _time_out(self, request: Request) -> None:
         """Let a request wait no longer."""

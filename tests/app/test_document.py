@@ -3,6 +3,7 @@
 from bokeh.document import Document
 from bokeh.document.events import MessageSentEvent
 from bokeh.models import Div
+from visitor import ended
 
 from app import document
 
@@ -27,7 +28,7 @@ def test_a_destroyed_document_makes_no_call_and_raises_nothing():
     doc, calls = Document(), []
     document.later(doc, lambda: calls.append(1))
     (callback,) = doc.session_callbacks
-    callback.callback()
+    ended(callback.callback())
     doc.callbacks.destroy()
     document.later(doc, lambda: calls.append(2))
     assert calls == [1]

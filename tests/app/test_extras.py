@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from visitor import PATIENCE, Page, messages, say
+from visitor import Page, messages, say
 
 from app.service import tasks, worker
 from app.service.packing import Frames
@@ -63,7 +63,7 @@ def test_pinned_runs_are_sent_beside_the_run_on_screen(page):
     page.until("finished")
     say(page.session, {"do": "pin", "values": {"u_x_max": "4", "E": "100"}, "pin": 2})
     while page.chunks[-1][0] != ("pin", 2) or not page.chunks[-1][1]["last"]:
-        page.calls.get(timeout=PATIENCE)()
+        page.run_next()
     assert page.curve("U_x")[-1] == pytest.approx(4.0)
     assert page.status()["run"] == 1 and page.session.scene.u_x_max == 6.0
 
@@ -91,7 +91,7 @@ def test_share_dialog_has_a_qr_code_unless_the_link_is_too_long(page):
     assert page.messages.pop()["qr"] == "" and not page.session.share.code.waiting
     page.order("share", link="h" * SCANNED)
     assert page.messages.pop()["qr"] == ""  # the Python lines come at once, the code once a worker has drawn it
-    page.calls.get(timeout=PATIENCE)()
+    page.run_next()
     assert page.messages.pop()["qr"].startswith("data:image/svg+xml")
 
 
@@ -100,7 +100,7 @@ def test_exported_files_larger_than_the_limit_are_rejected(page, monkeypatch):
         monkeypatch.setattr(share, "LARGEST", largest)
         page.order("export", kind="json")
         while not page.messages:
-            page.calls.get(timeout=PATIENCE)()
+            page.run_next()
         file = page.messages.pop()
         assert file["kind"] == "file" and file["why"] == why and (len(file["body"]) > 1000) == (not why)
 
@@ -110,7 +110,7 @@ def test_two_files_asked_for_at_once_both_come(page):
     for kind in kinds:
         page.order("export", kind=kind)
     while len(page.messages) < 2:
-        page.calls.get(timeout=PATIENCE)()
+        page.run_next()
     assert sorted(file["ending"] for file in page.messages) == sorted(kinds)
     assert all(file["body"] and not file["why"] for file in page.messages)
 
@@ -149,17 +149,17 @@ def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
     k = len(slips) - 1 - int(np.argmax(slips[::-1] > 0))
     page.order("film", run=run, frame=k)
     while page.chunks[-1][0] != ("film", k):
-        page.calls.get(timeout=PATIENCE)()
+        page.run_next()
     film = page.curve("U_x")
     assert set(page.curve("index")) == {108} or set(page.curve("index")) == {109}
     assert len(film) > 40 and np.ptp(film) == 0.0 and film[0] == pytest.approx(10.8036, abs=1e-3)
     page.order("film", run=run, frame=k - 5)
     while not page.messages:
-        page.calls.get(timeout=PATIENCE)()
+        page.run_next()
     assert page.messages.pop() == {"kind": "film failed", "why": "no branch ends here"}
     page.order("film", run=run, frame=5000)
     while not page.messages:
-        page.calls.get(timeout=PATIENCE)()
+        page.run_next()
     assert page.messages.pop()["kind"] == "film failed"
 
 

@@ -122,7 +122,7 @@ class Answered(NoPool):
         """The oldest waiting one is done."""
         self.waiting(call)[0].set_result(result)
         while not page.calls.empty():
-            page.calls.get()()
+            page.run_next()
 
 
 @pytest.fixture
@@ -161,7 +161,7 @@ def test_a_drag_whose_picture_waits_in_the_queue_is_acknowledged_within_a_second
     move(page, 0.01)
     assert page.status()["acknowledged"] != 1.0
     page.session.look()  # a timer of the server, every second
-    page.calls.get_nowait()()
+    page.run_next()
     assert page.status()["acknowledged"] == 1.0
     move(page, 0.02)
     page.pool.answer(page, following.followed, following.Followed({"body": b"!"}, b"skeleton"))
@@ -195,7 +195,7 @@ def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     page.order("restore", preset="fig7-case1")
     assert task.cancelled() and page.pool.waiting(worker.compute)
     while not page.calls.empty():
-        page.calls.get()()
+        page.run_next()
     assert page.messages == []
 
 
@@ -309,14 +309,14 @@ def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
     page.order("scene", phi_ratio=0.6)
     assert page.pool.waiting(worker.compute) == [task] and page.status()["acknowledged"] is not None
     while not page.calls.empty():  # the time is over
-        page.calls.get()()
+        page.run_next()
     assert [task.call[1].phi_ratio for task in page.pool.waiting(worker.compute)] == [0.5, 0.6]
 
 
 def test_a_prediction_lost_with_its_worker_starts_an_exact_run(page):
     move(page, 0.02)
     page.pool.waiting(following.followed)[0].set_exception(RuntimeError("killed"))
-    page.calls.get()()
+    page.run_next()
     assert page.pool.waiting(worker.compute)
 
 

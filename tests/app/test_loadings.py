@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from visitor import PATIENCE, Page, order, send_file, slices
+from visitor import Page, order, send_file, slices
 
 from app.service import packing, tasks
 from app.session.controls import values_of
@@ -55,7 +55,7 @@ WAVY = "\n".join(["x, z"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.6f}" for x
 def upload(page, text):
     page.file("profile", text)
     while page.session.scene.surface != "measured" and "profile" not in page.status()["errors"]:
-        page.calls.get(timeout=PATIENCE)()
+        page.run_next()
 
 
 def test_an_uploaded_profile_is_used_and_its_processing_noted(page):

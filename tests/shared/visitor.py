@@ -59,12 +59,25 @@ class Page:
     def run_scheduled(self, condition):
         """Run what is scheduled until a condition holds."""
         while not condition():
-            self.calls.get(timeout=PATIENCE)()
+            self.run_next()
+
+    def run_next(self):
+        """Run what is scheduled next, once it is."""
+        ended(self.calls.get(timeout=PATIENCE)())
 
     def curve(self, name):
         """The last run's curve of that name, as the browser holds it."""
         last = self.chunks[-1][0]
         return np.concatenate([curves[name] for run, _, curves, _ in self.chunks if run == last])
+
+
+def ended(coroutine):
+    """Run a coroutine that waits for nothing, as the callbacks of a document are."""
+    try:
+        coroutine.send(None)
+    except StopIteration:
+        return
+    raise AssertionError("it waits")
 
 
 def whole_run(scene):
