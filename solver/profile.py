@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .scene import LIMITS
-from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, DataError, Profile, averaged
+from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
 from .tables import SHOWN, Source, listed, read_table
 from .text import UNITS, counted
 
+SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printed twice
+SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 
 
@@ -31,38 +33,49 @@ class Points(NamedTuple):
         return float(self.x[-1] - self.x[0])
 
 
-def read_profile(source: Source, width: float | None = None) -> Profile:
+def read_profile(source: Source, width: float | None = None, periodic: bool | None = None) -> Profile:
     """Reads a measured profile from a CSV of x and z (nm).
 
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. A heading may
-    give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm.
-    Returns a Profile: the mean line is removed, the ends are joined, the points are at equal distances.
+    give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm. periodic: whether the points
+    are one period, with or without its first point repeated at the end; by default that is so where the ends meet in
+    height and slope.
+    Returns a Profile with points at equal distances. Of one period all heights are kept. Of another profile the mean
+    line is removed, and the ends are joined.
     Raises DataError.
 
     Example: `profile = read_profile("profile.csv")`, then
     `Scene(surface="measured", measured=profile, width=profile.length)`
     """
-    points, notes = _points(source)
+    points, notes, marked = _points(source)
+    periodic = marked or None if periodic is None and width is None else periodic
     if width is not None:
         points, cut = _middle(points, float(width))
         notes += cut
         _reject_few(points)
-    length = points.length if width is None else float(width)
+    period = _period(points, periodic)
+    length = period or (points.length if width is None else float(width))
     low, high = LENGTHS
     if not low <= length <= high:
         reason = f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm"
         raise DataError(reason, points.last)
-    points, tilt = _levelled(points)
-    points, step = _joined(points)
+    if period:
+        points = _closed(points, period)
+        _reject_steep(points, "smooth or rescale it")
+        done = [f"the ends meet: read as one period of {length:.6g} nm; nothing was removed or joined."]
+    else:
+        points, tilt = _levelled(points)
+        points, step = _joined(points)
+        done = [tilt, step]
     z, resampled = _at_equal_distances(points)
     start = int(np.argmin(z))
     shift = f"shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
     shift += f"; with fewer nodes than {z.size} each shows the mean over the node spacing."
-    return Profile(length, np.roll(z, -start), (*notes, tilt, step, *resampled, shift))
+    return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
 
 
 def _points(source):
-    """(Points, [notes]) of the rows that hold data."""
+    """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
     table = read_table(source, "two columns: x, z in nm")
     x_z, units, spare = _two_of(table)
     lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)))
@@ -78,7 +91,8 @@ def _points(source):
     read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
     points = Points(lines, columns["x"], columns["z"])
     _reject_few(points)
-    return points, [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out]
+    notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out]
+    return points, notes, PERIOD in table.above
 
 
 def _two_of(table):
@@ -116,6 +130,36 @@ def _middle(points, width):
     within[[0, -1]], heights[[0, -1]] = ends, np.interp(ends, x, z)
     note = f"of {points.length:.6g} nm the {width:g} nm in the middle are used."
     return Points(line[part], within, heights), [note]
+
+
+def _period(points, periodic):
+    """The length of the period that the points are, nm; None where they are none."""
+    _, x, z = points
+    spacing = points.length / (x.size - 1)
+    even = np.ptp(np.diff(x)) <= EVEN * spacing
+    step, height = abs(float(z[-1] - z[0])), float(np.ptp(z))
+    repeats = step <= SAME * height
+    if periodic:
+        if not (repeats or even):
+            reason = f"its ends differ by {step:.4g} nm, and its points are not at equal distances"
+            raise DataError(f"{reason}; a period needs one of both; repeat the first point, or use periodic=False")
+        return points.length if repeats else points.length + spacing
+    if periodic is not None or not even or not height:
+        return None
+    around = np.append(z[:-1], z[:2]) if repeats else np.append(z, z[:2])
+    bends = np.abs(np.diff(around, 2))
+    smooth = bends.max() <= SMOOTH * height  # else ends that differ may meet by chance
+    if not (repeats or smooth) or bends[-2:].max() > 2.0 * bends[:-2].max():
+        return None
+    return points.length if repeats else points.length + spacing
+
+
+def _closed(points, period):
+    """Points of one period, whose last one repeats the first."""
+    line, x, z = points
+    if period > points.length:
+        return Points(np.append(line, line[-1]), np.append(x, x[0] + period), np.append(z, z[0]))
+    return points
 
 
 def _levelled(points):

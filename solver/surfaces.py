@@ -9,6 +9,8 @@ The largest gap lies at the ends of the cell, so contact spreads across them las
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from os import PathLike
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -23,6 +25,7 @@ STEEPEST = 0.3  # slope of a wave or a measured profile; beyond it slopes are no
 FEWEST_NODES = 8  # to a wavelength of a wave: linear between them, its slope is right to 3 %
 FEWEST_POINTS = 2 * FEWEST_NODES  # of a measured profile: two waves
 LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
+PERIOD = "One period: the last point repeats the first"  # in a file that `Profile.to_csv` wrote
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
 
@@ -64,6 +67,17 @@ class Profile:
     def z(self) -> Floats:
         """Heights, nm, (points,); read-only."""
         return np.frombuffer(cast(bytes, self.heights), "<f8")
+
+    def to_csv(self, file: str | PathLike[str]) -> None:
+        """Writes x and z (nm) of one period, whose last point repeats the first; `read_profile` reads the same Profile.
+
+        file: a path.
+        """
+        x = np.arange(self.z.size + 1) * (self.length / self.z.size)
+        x[-1] = self.length
+        rows = "".join(f"{a!r},{b!r}\n" for a, b in zip(x.tolist(), [*self.z.tolist(), float(self.z[0])], strict=True))
+        heading = f"# Lateral units: nm\n# Value units: nm\n# {PERIOD}\nx (nm),z (nm)\n"
+        Path(file).write_text(heading + rows, encoding="utf-8")
 
 
 def _length(value):

@@ -49,6 +49,7 @@ class Table:
     columns: list[Column]
     cells: "pd.DataFrame"
     comma: bool  # whether commas separate the columns
+    above: str = ""  # the lines above the first row, with comments
 
     def numbers(self, columns: Mapping[str, int]) -> tuple[NDArray[np.int64], dict[str, Floats], list[str]]:
         """(numbers of their lines (k,), {name: column (k,)}, [a note on others]) of rows that are complete.
@@ -113,7 +114,8 @@ def read_table(source: Source, needed: str, named: Callable[[list[Column]], bool
         line = longer.idxmax()
         remedy = "use decimal points, or semicolons between columns"
         raise DataError(f"{sizes[numbers.index(line)]} columns in place of {width}; {remedy}", line)
-    return Table(columns, cells.loc[:, : width - 1], separator == ",")
+    above = "\n".join(text.split("\n")[: numbers[0] - 1])
+    return Table(columns, cells.loc[:, : width - 1], separator == ",", above)
 
 
 def listed(items: Sequence) -> str:

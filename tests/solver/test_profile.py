@@ -8,7 +8,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from solver import DataError, Profile, Scene, SceneError, load_path, read_profile
+from solver import DataError, Profile, Scene, SceneError, load_path, read_profile, simulate
 from solver.analysis.peeling import edges
 from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
@@ -359,3 +359,49 @@ def test_a_measured_surface_needs_its_profile_at_its_width():
         Scene(surface="measured", measured=profile)
     with pytest.raises(SceneError, match="measured = 3: allowed: a Profile or None"):
         Scene(measured=3)
+
+
+# One period
+
+
+SINE = np.arange(129) * 2.5, 3.0 * np.sin(2.0 * np.pi * np.arange(129) / 128.0)
+
+
+@pytest.mark.parametrize("points", [129, 128])
+@pytest.mark.parametrize("periodic", [None, True])
+def test_one_period_of_a_sine_gives_the_run_of_the_wave(points, periodic):
+    """With and without its first point repeated. Levelled and joined its static friction would be twice as high."""
+    profile = read_profile(table(SINE[0][:points], SINE[1][:points]), periodic=periodic)
+    assert profile.length == 320.0 and np.ptp(profile.z) == pytest.approx(6.0, rel=1e-12)
+    usual = {"width": 320.0, "nodes": 128, "delta_bar": 0.2, "u_x_max": 9.0}
+    own = simulate(Scene(surface="measured", measured=profile, **usual)).first_slip
+    wave = simulate(Scene(surface="wave", amplitude=3.0, waves=1, **usual)).first_slip
+    assert (own.F_s, own.U_s) == pytest.approx((wave.F_s, wave.U_s), rel=1e-9)
+    assert own.F_s == pytest.approx(166.7, abs=0.1) and own.U_s == pytest.approx(7.85, abs=0.01)
+
+
+def test_a_profile_that_is_called_aperiodic_is_levelled():
+    assert any("tilt" in note for note in read_profile(table(*SINE), periodic=False).notes)
+
+
+def test_a_period_whose_ends_differ_needs_even_points():
+    x = np.delete(SINE[0], [4, 128])
+    with pytest.raises(DataError, match=r"^its ends differ by 0\.\d+ nm.*periodic=False"):
+        read_profile(table(x, np.delete(SINE[1], [4, 128])), periodic=True)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_profile_written_and_read_ten_times_is_the_same(tmp_path, seed):
+    random = np.random.default_rng(seed)
+    first = again = Profile(317.3, np.cumsum(random.normal(size=320)) % 0.25)
+    for _ in range(10):
+        again.to_csv(tmp_path / "profile.csv")
+        again = read_profile(tmp_path / "profile.csv")
+    start = int(np.argmin(first.z))
+    assert again.length == first.length and again.z.tolist() == np.roll(first.z, -start).tolist()
+
+
+def test_a_rough_profile_that_ends_near_its_start_by_chance_is_no_period():
+    z = np.random.default_rng(1).uniform(-0.3, 0.3, 257)
+    z[-1] = z[0] + 0.01
+    assert any("tilt" in note for note in read_profile(table(X, z)).notes)
