@@ -5,11 +5,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .length_units import FACTORS, factor, units_above
 from .scene import LIMITS
-from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
+from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, NO_UNIT, PERIOD, STEEPEST, DataError, Profile, averaged
 from .tables import SHOWN, Source, listed, read_table
-from .text import UNITS, counted
+from .text import counted
 
+LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
+PART = 2_000.0  # nm
 SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printed twice
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
@@ -33,13 +36,21 @@ class Points(NamedTuple):
         return float(self.x[-1] - self.x[0])
 
 
-def read_profile(source: Source, width: float | None = None, periodic: bool | None = None) -> Profile:
+def read_profile(
+    source: Source,
+    width: float | None = None,
+    periodic: bool | None = None,
+    unit: str | None = None,
+    part: tuple[float, float] | None = None,
+) -> Profile:
     """Reads a measured profile from a CSV of x and z (nm).
 
-    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. A heading may
-    give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm. periodic: whether the points
-    are one period, with or without its first point repeated at the end; by default that is so where the ends meet in
-    height and slope.
+    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. The
+    lines above the numbers may give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm.
+    periodic: whether the points are one period, with or without its first point repeated at the end; by default that is
+    so where the ends meet in height and slope. unit: that of x and z, where the file names none; without either they
+    are read as nm, with a caution. part: use only that from .. to, nm from the first point. Of more than LONG the
+    middle part of PART is used, unless width or part is given.
     Returns a Profile with points at equal distances. Of one period all heights are kept. Of another profile the mean
     line is removed, and the ends are joined.
     Raises DataError.
@@ -47,12 +58,11 @@ def read_profile(source: Source, width: float | None = None, periodic: bool | No
     Example: `profile = read_profile("profile.csv")`, then
     `Scene(surface="measured", measured=profile, width=profile.length)`
     """
-    points, notes, marked = _points(source)
+    points, notes, marked = _points(source, unit)
     periodic = marked or None if periodic is None and width is None else periodic
-    if width is not None:
-        points, cut = _middle(points, float(width))
-        notes += cut
-        _reject_few(points)
+    points, cut = _cut(points, width, part)
+    notes += cut
+    _reject_few(points)
     period = _period(points, periodic)
     length = period or (points.length if width is None else float(width))
     low, high = LENGTHS
@@ -74,45 +84,71 @@ def read_profile(source: Source, width: float | None = None, periodic: bool | No
     return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
 
 
-def _points(source):
+def _points(source, unit):
     """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
     table = read_table(source, "two columns: x, z in nm")
     x_z, units, spare = _two_of(table)
     lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)))
-    for name, unit in zip("xz", units, strict=True):
-        if unit not in UNITS["nm"]:
-            allowed = f"allowed units: {', '.join(UNITS['nm'])}"
-            raise DataError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
-        columns[name] = columns[name] * UNITS["nm"][unit]
+    units = units or units_above(table.above)
+    if unit is not None and units and {factor(each) for each in units} != {factor(unit)}:
+        named = " and ".join(dict.fromkeys(units))
+        raise DataError(f"unit = {unit!r}, but the file names {named}; leave unit out, or correct the file")
+    unknown = [NO_UNIT] * (units is None and unit is None)
+    units = units or (unit or "nm",) * 2
+    for name, given in zip("xz", units, strict=True):
+        columns[name] = columns[name] * factor(given)
         large = np.flatnonzero(np.abs(columns[name]) > 1e9)  # a metre: the unit is wrong
         if large.size:
             reason = f"{name} = {columns[name][large[0]]:g} nm: allowed: -1e+09 .. 1e+09 nm; check its unit"
             raise DataError(reason, int(lines[large[0]]))
-    read = "x and z are read as nm" if units == ["nm", "nm"] else "x is read as {}, z as {}".format(*units)
+    read = "x and z are read as nm" if set(units) == {"nm"} else "x is read as {}, z as {}".format(*units)
     points = Points(lines, columns["x"], columns["z"])
     _reject_few(points)
-    notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out]
+    notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out, *unknown]
     return points, notes, PERIOD in table.above
 
 
 def _two_of(table):
-    """(the indices of x and z, their units, [a note on other columns]): by their names, or else the first two."""
+    """(the indices of x and z, their units or None, [a note on other columns]): by name, or else the first two."""
     columns, width, line = table.columns, table.cells.shape[1], int(table.cells.index[0])
     if width < 2:
         raise DataError("one column, two are needed: x, z in nm", line)
     if not columns and width % 2 == 0 and width > 2 and table.comma:
         remedy = "write a heading, decimal points, or semicolons between columns"
         raise DataError(f"{width} columns, two are needed: x, z in nm; {remedy}", line)
-    names = [column.name.lower() for column in columns]
+    names = [column.name.lower() for column in columns[:width]]
     x_z = [names.index("x"), names.index("z")] if {"x", "z"} <= set(names) else [0, 1]
     units = [columns[k].unit for k in x_z if k < len(columns) and columns[k].unit]
+    for name, unit in zip("xz", units, strict=False):
+        if unit.lower() not in FACTORS:
+            allowed = "allowed units: nm, µm, Å, mm, cm, m"
+            raise DataError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
     rest = [columns[k].name if k < len(columns) else f"column {k + 1}" for k in range(width) if k not in x_z]
-    return x_z, (2 * units or ["nm", "nm"])[:2], [f"not used: {listed(rest)}."] * bool(rest)
+    return x_z, tuple((2 * units)[:2]) or None, [f"not used: {listed(rest)}."] * bool(rest)
 
 
 def _reject_few(points):
     if points.x.size < FEWEST_POINTS:
         raise DataError(f"only {counted(points.x.size, 'point')}, at least {FEWEST_POINTS} are needed", points.last)
+
+
+def _cut(points, width, part):
+    """(the part of the Points that is used, [note])."""
+    if part is not None:
+        start, end = map(float, part)
+        if width is not None or not 0.0 <= start < end <= points.length * (1.0 + EVEN):
+            reason = f"part = {part}: allowed: from 0 to {points.length:.6g} nm, ascending, without width"
+            raise DataError(f"{reason}; give such a part")
+        return _between(points, start, end), [f"of {points.length:.6g} nm those from {start:g} to {end:g} nm are used."]
+    if width is not None:
+        return _middle(points, float(width))
+    if points.length <= LONG:
+        return points, []
+    spacing = points.length / MOST_POINTS
+    enough = 2 * FEWEST_POINTS * points.length / points.x.size
+    used, notes = _middle(points, min(max(PART, enough), LONG))
+    why = f"all of it would give nodes at least {spacing:.3g} nm apart, which is the lattice period"
+    return used, [f"{notes[0].rstrip('.')}: {why}; choose another by part."]
 
 
 def _middle(points, width):
@@ -123,13 +159,18 @@ def _middle(points, width):
         raise DataError(f"{reason}; allowed: above 0 to that length; set such a width", points.last)
     if spare <= EVEN * points.length:
         return points, []
+    note = f"of {points.length:.6g} nm the {width:g} nm in the middle are used."
+    return _between(points, 0.5 * spare, points.length - 0.5 * spare), [note]
+
+
+def _between(points, start, end):
+    """The Points from start to end, nm from the first one; the ends are interpolated."""
     line, x, z = points
-    ends = x[0] + 0.5 * spare, x[-1] - 0.5 * spare
+    ends = x[0] + start, min(x[0] + end, x[-1])
     part = slice(np.searchsorted(x, ends[0], "right") - 1, np.searchsorted(x, ends[1]) + 1)
     within, heights = x[part].copy(), z[part].copy()
     within[[0, -1]], heights[[0, -1]] = ends, np.interp(ends, x, z)
-    note = f"of {points.length:.6g} nm the {width:g} nm in the middle are used."
-    return Points(line[part], within, heights), [note]
+    return Points(line[part], within, heights)
 
 
 def _period(points, periodic):

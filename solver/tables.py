@@ -126,7 +126,10 @@ def listed(items: Sequence) -> str:
 def _first_row(lines, needed, named):
     """The index of the first line below the heading."""
     if named is None:
-        return next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
+        first = next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
+        # a number alone above rows of several is their count
+        sizes = [len(line.split(_separator(line))) for _, line in lines[first : first + 2]]
+        return first + (len(sizes) == 2 and sizes[0] == 1 < sizes[1] and _all_numbers(lines[first + 1][1]))
     start = next((k for k, (_, line) in enumerate(lines, start=1) if named(_columns(line))), 0)
     if not start:
         number, line = lines[0] if lines else (1, "")

@@ -16,7 +16,7 @@ from ..tables import DataError
 from ..text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
-SETTABLE = (*PARAMETERS, "profile")  # by --set
+SETTABLE = (*PARAMETERS, "profile", "unit")  # by --set
 SCRIPT = "mixed-mode-contact"  # of pyproject.toml
 
 
@@ -102,7 +102,9 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     start = preset(named).scene.differences() if named else {}
     given = settings(pairs)
     texts = {name: str(value) for name, value in start.items()} | given
-    file, profile = texts.pop("profile", None), None
+    file, unit, profile = texts.pop("profile", None), texts.pop("unit", None), None
+    if unit is not None and file is None:
+        raise InputError(f"unit = {unit!r}: used with profile=FILE only; leave it out, or name a file")
     notes: list[str] = []
     if file is not None:
         if given.get("surface", "measured") != "measured":
@@ -112,7 +114,7 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
         texts["surface"] = "measured"  # in place of the preset's
         width = number_from_text("width", texts["width"]) if "width" in texts else None
         try:
-            profile = read_profile(Path(file), width)
+            profile = read_profile(Path(file), width, unit=unit)
         except DataError as error:
             raise InputError(f"profile = {file!r}: {error}") from None
     scene = scene_from_text(texts, profile, notes)

@@ -35,7 +35,7 @@ from solver import (
 )
 from solver.cli import run
 from solver.cli.main import CLOSED_PIPE, CompilingNotice
-from solver.cli.options import scene_of
+from solver.cli.options import InputError, scene_of
 from solver.continuation.gfmd import Gfmd
 from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
@@ -282,17 +282,25 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_run(call, tmp_path,
 
 def test_a_measured_profile_is_read_reported_and_written(call, tmp_path):
     file = tmp_path / "hills.csv"
-    file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
+    file.write_text("x (nm),z (nm)\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
     settings = (f"profile={file}", "nodes=64", "du_z=0.5", "du_x=0.5", "u_x_max=2")
     code, out, err = call("run", "--set", *settings, "--json", tmp_path / "j")
     assert code == 0 and wrote(err) == [tmp_path / "j"]
-    assert out.count("profile: ") == 4 and "a tilt of" in out
+    assert out.count("profile: ") == 3 and "one period of 160 nm" in out
     scene = strict(tmp_path / "j")["scene"]
     again = Scene(**scene | {"measured": Profile(**scene["measured"])})
     assert again == Scene(
         surface="measured", measured=read_profile(file), width=160.0, nodes=64, du_z=0.5, du_x=0.5, u_x_max=2.0
     )
     assert call("run", "--set", *settings, "width=80", "nodes=32")[0] == 0
+
+
+def test_the_unit_of_a_profile_that_names_none_is_given_beside_the_file(call, tmp_path):
+    file = tmp_path / "hills.csv"
+    file.write_text("".join(f"{x / 1000},{np.cos(2 * np.pi * x / 160) / 1000}\n" for x in range(161)))
+    assert scene_of([f"profile={file}", "unit=um", "nodes=64"]).width == pytest.approx(160.0)
+    with pytest.raises(InputError, match=r"^unit = 'um': used with profile=FILE only"):
+        scene_of(["unit=um"])
 
 
 def test_a_profile_replaces_the_surface_of_a_preset_but_not_one_that_is_named(tmp_path):

@@ -10,9 +10,10 @@ import pytest
 
 from solver import DataError, Profile, Scene, SceneError, load_path, read_profile, simulate
 from solver.analysis.peeling import edges
+from solver.cautions import cautions
 from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
-from solver.surfaces import LENGTHS
+from solver.surfaces import LENGTHS, NO_UNIT
 from solver.tables import MOST_BYTES
 from solver.text import number_from_text
 
@@ -73,9 +74,9 @@ def test_heights_in_angstrom_and_millimetres_are_converted(unit, nm):
     assert number_from_text("width", f"20 {unit}") == pytest.approx(20.0 * nm)
 
 
-@pytest.mark.parametrize("heading", ["x (nm),z (A)", "x,z [inch]", "x (pm),z (nm)", "x/ft z/ft"])
+@pytest.mark.parametrize("heading", ["x (V),z (nm)", "x,z [inch]", "x (pm),z (nm)", "x/ft z/ft"])
 def test_a_profile_in_an_unknown_unit_is_refused_with_the_known_ones(heading):
-    with pytest.raises(DataError, match=r"^heading: [xz] in '.*'; allowed units: nm, µm, .*mm, m; correct or"):
+    with pytest.raises(DataError, match=r"^heading: [xz] in '.*'; allowed units: nm, µm, .*mm, cm, m; correct or"):
         read_profile(table(X, HILLS, heading=f"{heading}\n"))
 
 
@@ -209,7 +210,7 @@ def test_a_width_selects_the_middle_of_a_profile():
         (table(X[:9], HILLS[:9]), 9, f"only 9 points, at least {FEWEST_POINTS} are needed"),
         (table(1e-4 * X, 1e-4 * HILLS), 257, "0.064 nm long, allowed: 1 .. 1e+06 nm"),
         (table(1e7 * X, HILLS), 42, "x = 1.025e+09 nm: allowed: -1e+09 .. 1e+09 nm; check its unit"),
-        (table(1e4 * X, HILLS), 257, "6.4e+06 nm long, allowed: 1 .. 1e+06 nm"),
+        (table(1e4 * X, HILLS), 130, "only 3 points, at least 16 are needed"),
         (table(X, HILLS + 0.5 * X), 257, "tilted by 0.5, allowed: up to 0.3; level it"),
         (
             table(X, np.where(X < 300.0, 0.0, 5.0)),
@@ -405,3 +406,100 @@ def test_a_rough_profile_that_ends_near_its_start_by_chance_is_no_period():
     z = np.random.default_rng(1).uniform(-0.3, 0.3, 257)
     z[-1] = z[0] + 0.01
     assert any("tilt" in note for note in read_profile(table(X, z)).notes)
+
+
+# Units
+
+
+LAYOUTS = {  # lines above the numbers: (unit of x, unit of z) in nm
+    "x (um),z (nm)": (1e3, 1.0),
+    "x [um],z [um]": (1e3, 1e3),
+    "# x (um), z (nm)": (1e3, 1.0),
+    "# x [um] z [um]": (1e3, 1e3),
+    "x um, z um": (1e3, 1e3),
+    "x um,z nm": (1e3, 1.0),
+    "x_um,z_um": (1e3, 1e3),
+    "x_um,z_nm": (1e3, 1.0),
+    "x {um},z {um}": (1e3, 1e3),
+    "x, um, z, nm": (1e3, 1.0),
+    "x in um,z in nm": (1e3, 1.0),
+    "x,z\num,nm": (1e3, 1.0),
+    "x,z\n(um),(nm)": (1e3, 1.0),
+    "X;Y;valid\n[mm];[mm];[1/0]": (1e6, 1e6),
+    "x (um),z (nm)\n-------------": (1e3, 1.0),
+    "x (um),z (nm)\n257": (1e3, 1.0),
+    "x (um),z (nm)\n\n": (1e3, 1.0),
+    "µm µm\n257": (1e3, 1e3),
+    "# Lateral units: um\n# Value units: nm": (1e3, 1.0),
+    "# Value units: nm\n# Lateral units: um": (1e3, 1.0),
+    "# Units: um": (1e3, 1e3),
+    "Units: micron\nx,z": (1e3, 1e3),
+    "unit = um": (1e3, 1e3),
+    "Lateral um,Raw Micrometer,": (1e3, 1e3),
+    "Distance (Micrometers), Height (Angstroms)": (1e3, 0.1),
+    "x (microns),z (nanometers)": (1e3, 1.0),
+    "X[mm]\tZ[\N{MICRO SIGN}m]": (1e6, 1e3),
+    "X[mm]\tZ[\N{GREEK SMALL LETTER MU}m]": (1e6, 1e3),
+    "x / m; z / m": (1e9, 1e9),
+    "x (m),z (m)": (1e9, 1e9),
+    "x [A],z [A]": (0.1, 0.1),
+    "x [\N{LATIN CAPITAL LETTER A WITH RING ABOVE}],z [nm]": (0.1, 1.0),
+    "z (nm),x (um)": (1e3, 1.0),
+    "# z (nm), x (um)\nz,x": (1e3, 1.0),
+    "X (UM),Z (NM)": (1e3, 1.0),
+    "Profile 1\nLength [cm],Height [nm]": (1e7, 1.0),
+    "Title: A test of m samples\nx (um),z (nm)": (1e3, 1.0),
+    "x,z (um)": (1e3, 1e3),
+    '"x (um)","z (nm)"': (1e3, 1.0),
+    "nm\tnm": (1.0, 1.0),
+    "Position_micrometer,Height_nanometer": (1e3, 1.0),
+    "# columns: x um, z nm": (1e3, 1.0),
+}
+
+
+@pytest.mark.parametrize(("above", "nm"), LAYOUTS.items(), ids=map(repr, LAYOUTS))
+def test_a_unit_above_the_numbers_is_used_wherever_it_stands(above, nm):
+    x, z = X / nm[0], HILLS / nm[1]
+    swapped = above.startswith(("z", "# z"))
+    separator = "\t" if "\t" in above else ";" if ";" in above else ","
+    rows = table(z, x, separator) if swapped else table(x, z, separator)
+    columns = None if swapped and above.startswith("# z") else above
+    read = read_profile(f"{above}\n{rows}")
+    assert columns is None or read.length == pytest.approx(640.0, rel=1e-9)
+    assert np.ptp(read.z) == pytest.approx(8.0, rel=1e-9)
+    assert NO_UNIT not in read.notes
+
+
+@pytest.mark.parametrize(
+    "above",
+    ["Scan size: 640 um", "# Width: 10 µm", "Radius 2.5 um\nx,z", "# x (V), z (nm)", "# x {inch}, z {inch}"],
+)
+def test_a_unit_that_may_be_of_something_else_is_named_in_a_refusal(above):
+    with pytest.raises(DataError, match=r"um|µm|V|inch"):
+        read_profile(f"{above}\n{table(X, HILLS)}")
+
+
+@pytest.mark.parametrize("above", ["", "x,z\n", "Instrument 3\nx,z\n"])
+def test_without_a_unit_a_caution_says_that_nm_were_read_and_unit_decides(above):
+    profile = read_profile(above + table(X, HILLS))
+    assert NO_UNIT in cautions(Scene(surface="measured", measured=profile, width=profile.length, nodes=256))
+    given = read_profile(above + table(X / 1e3, HILLS / 1e3), unit="um")
+    assert given.length == pytest.approx(640.0) and NO_UNIT not in given.notes
+    with pytest.raises(DataError, match=r"^unit = 'parsec'; allowed units: nm"):
+        read_profile(above + table(X, HILLS), unit="parsec")
+
+
+def test_a_unit_that_differs_from_that_of_the_file_is_refused():
+    with pytest.raises(DataError, match=r"^unit = 'nm', but the file names um; leave unit out"):
+        read_profile(table(X, HILLS, heading="x (um),z (um)\n"), unit="nm")
+
+
+def test_of_a_long_trace_the_middle_or_the_part_asked_for_is_used():
+    x = np.linspace(0.0, 1.5e6, 60_001)
+    text = table(x, 4.0 * np.cos(2.0 * np.pi * x / 1_000.0))
+    middle, part = read_profile(text), read_profile(text, part=(1_000.0, 3_500.0))
+    assert (middle.length, part.length) == pytest.approx((2_000.0, 2_500.0))
+    assert any("nodes at least 91.6 nm apart" in note for note in middle.notes)
+    for wrong in ((-1.0, 100.0), (100.0, 50.0), (0.0, 2e6)):
+        with pytest.raises(DataError, match=r"^part = .*allowed: from 0 to 1\.5e\+06 nm"):
+            read_profile(text, part=wrong)
