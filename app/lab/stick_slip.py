@@ -7,11 +7,13 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+import panel as pn
 import param
 from bokeh.models import LinearColorMapper
 
 from app.lab.base import LabPage, side_by_side
 from app.limits import INCREMENTS, increments_of
+from app.on_loop import on_loop
 from app.service import tasks
 from solver import Scene, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force, tau_max
@@ -65,7 +67,8 @@ class StickSlip(LabPage):
         image = plot.image([self.map()], x=left, y=low, dw=right - left, dh=high - low, **look)
         plot.add_layout(image.construct_color_bar(title=MEAN), "right")
         plot.hover.update(renderers=[image], tooltips=[(MEAN, "@image")])
-        plot.on_event("tap", lambda event: self.go_to(event.x, event.y))
+        # Bokeh takes plain functions only here
+        plot.on_event("tap", lambda event: pn.state.execute(on_loop(self.go_to, event.x, event.y), schedule=True))
         self._follow.append(lambda: image.data_source.data.update(image=[self.map()]))
         of = "displacement of the top Uₓ (nm)", "F/(w·70 GPa) (10⁻³)"
         forces = self.chart(self.forces, *of, title="Friction over displacement (Fig. 4)")

@@ -26,6 +26,8 @@ CALLED = {  # method of a document or of Panel's state: position of the callback
     "with_document_locked": 0,
     "onload": 0,
     "execute": 0,
+    "on_event": 1,
+    "on_change": 1,
 }
 
 
@@ -40,8 +42,10 @@ def registered():
 
 
 def is_coroutine_function(path, callback):
-    """Whether an expression is on_loop(...), a name given by that, or an `async def` of the same file."""
+    """Whether an expression is on_loop(...), a name given by that, an `async def`, or a lambda that schedules one."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
+    if isinstance(callback, ast.Lambda):  # Bokeh takes plain functions only there
+        return getattr(callback.body.func, "attr", "") == "execute"
     if isinstance(callback, ast.Call):
         return getattr(callback.func, "id", "") == "on_loop"
     name = getattr(callback, "id", None) or getattr(callback, "attr", "")
