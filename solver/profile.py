@@ -1,5 +1,6 @@
 """Reads a measured profile, two columns x, z in nm, and makes it periodic; reports what it did and what it rejects."""
 
+import re
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from .text import counted
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
 PART = 2_000.0  # nm
+LOWEST = 0.01  # nm, rms of heights: no instrument measures less
 SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printed twice
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
@@ -69,6 +71,7 @@ def read_profile(
     if not low <= length <= high:
         reason = f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm"
         raise DataError(reason, points.last)
+    _reject_unlikely(points)
     if period:
         points = _closed(points, period)
         _reject_steep(points, "smooth or rescale it")
@@ -88,7 +91,7 @@ def _points(source, unit):
     """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
     table = read_table(source, "two columns: x, z in nm")
     x_z, units, spare = _two_of(table)
-    lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)))
+    lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)), profile=True)
     units = units or units_above(table.above)
     if unit is not None and units and {factor(each) for each in units} != {factor(unit)}:
         named = " and ".join(dict.fromkeys(units))
@@ -116,8 +119,12 @@ def _two_of(table):
     if not columns and width % 2 == 0 and width > 2 and table.comma:
         remedy = "write a heading, decimal points, or semicolons between columns"
         raise DataError(f"{width} columns, two are needed: x, z in nm; {remedy}", line)
-    names = [column.name.lower() for column in columns[:width]]
-    x_z = [names.index("x"), names.index("z")] if {"x", "z"} <= set(names) else [0, 1]
+    if not columns and width > 3:
+        remedy = "a matrix of heights cannot be read: save one row or column of it as x and z"
+        raise DataError(f"{width} columns without a heading, two are needed: x, z in nm; {remedy}", line)
+    names = [re.split(r"[\W_]", column.name.strip())[0].lower() for column in columns[:width]]  # x of x_um, x in um
+    height = "z" if "z" in names else "y"
+    x_z = [names.index("x"), names.index(height)] if {"x", height} <= set(names) else [0, 1]
     units = [columns[k].unit for k in x_z if k < len(columns) and columns[k].unit]
     for name, unit in zip("xz", units, strict=False):
         if unit.lower() not in FACTORS:
@@ -125,6 +132,15 @@ def _two_of(table):
             raise DataError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
     rest = [columns[k].name if k < len(columns) else f"column {k + 1}" for k in range(width) if k not in x_z]
     return x_z, tuple((2 * units)[:2]) or None, [f"not used: {listed(rest)}."] * bool(rest)
+
+
+def _reject_unlikely(points):
+    """Raises DataError for heights that a wrong unit makes, without their tilt."""
+    x, z = points.x - points.x.mean(), points.z - points.z.mean()
+    rms, most = float((z - x * (x @ z) / (x @ x)).std()), 0.1 * points.length
+    if not LOWEST <= rms <= most:
+        allowed = f"allowed: {LOWEST:g} .. {most:.4g} nm, a tenth of the length"
+        raise DataError(f"the heights have an rms of {rms:.3g} nm, {allowed}; check the units of x and z", points.last)
 
 
 def _reject_few(points):

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Source = str | bytes | PathLike[str] | TextIO
 MOST_BYTES = 10_000_000  # of a file: 16,384 points, more than any run has nodes, in lines of 600 characters
+MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-")  # cells without a number
+LONGEST_GAP = 5  # rows of a profile without all numbers
+FORTRAN = r"(\d\.?)[dD]([+-]?\d)"  # an exponent, as in 1.0D+00
 SHOWN = 40  # characters of a cell or a heading in a message
 LISTED = 3  # lines or columns that a note lists
 # F, Friction force, F (N/m), F [N/m], U_x/nm, U_x / nm. Every part has a largest length, so any text is read in time
@@ -51,32 +54,52 @@ class Table:
     comma: bool  # whether commas separate the columns
     above: str = ""  # the lines above the first row, with comments
 
-    def numbers(self, columns: Mapping[str, int]) -> tuple[NDArray[np.int64], dict[str, Floats], list[str]]:
+    def numbers(
+        self, columns: Mapping[str, int], profile: bool = False
+    ) -> tuple[NDArray[np.int64], dict[str, Floats], list[str]]:
         """(numbers of their lines (k,), {name: column (k,)}, [a note on others]) of rows that are complete.
 
-        columns: {name: index}; they have a finite number in each of them, and the first must ascend.
+        columns: {name: index}; they have a finite number in each of them, and the first must ascend. profile: the first
+        may also descend throughout, and at most LONGEST_GAP rows in a row may be incomplete.
         """
         values = np.column_stack([self._numbers(name, self.cells[k]) for name, k in columns.items()])
         complete, lines = np.isfinite(values).all(axis=1), self.cells.index.to_numpy()
         missing, values, lines = lines[~complete], values[complete], lines[complete]
-        (name, *_), x = columns, values[:, 0]
-        if (falls := np.flatnonzero(np.diff(x) <= 0.0)).size:
-            k = int(falls[0])
-            raise DataError(f"{name} = {x[k + 1]:g} after {x[k]:g}; sort the lines by {name}", int(lines[k + 1]))
         count = f"{missing.size} row{'s' * (missing.size > 1)} without all numbers"
         notes = [f"{count} left out (line {listed(missing.tolist())})."] if missing.size else []
+        (name, *_), steps = columns, np.diff(values[:, 0])
+        if profile:
+            _reject_gaps(np.flatnonzero(complete), self.cells.index)
+            if steps.size and np.all(steps < 0.0):
+                values, lines, steps = values[::-1], lines[::-1], -steps[::-1]
+                notes.append(f"{name} descends: the points are read in reverse order.")
+        if (falls := np.flatnonzero(steps <= 0.0)).size:
+            before, x = values[falls[0] : falls[0] + 2, 0]
+            remedy = f"keep one line of each {name}" if x == before else f"sort the lines by {name}"
+            if profile and x < before and falls.size > 1:
+                remedy += ", if each x has one height: an overhang or a matrix of heights cannot be read"
+            raise DataError(f"{name} = {x:g} after {before:g}; {remedy}", int(lines[falls[0] + 1]))
         return lines, dict(zip(columns, values.T, strict=True)), notes
 
     def _numbers(self, name, texts):
         """A column of texts as float64; "" as nan."""
         from pandas import to_numeric
 
-        texts = texts.where(texts != "", "nan")
+        texts = texts.where(~texts.isin(MISSING), "nan").str.replace(FORTRAN, r"\1e\2", regex=True)
         wrong = to_numeric(texts, errors="coerce").isna() & ~texts.str.lower().isin(["nan", "+nan", "-nan"])
         for line, text in texts[wrong].items():
             cell = repr(text[:SHOWN]) if text.isprintable() else "an unreadable cell"
             raise DataError(f"{name} = {cell} is not a number; correct or delete the line", line)
         return texts.astype(float)
+
+
+def _reject_gaps(complete, lines):
+    """Raises DataError where too many rows between two complete ones are not; complete: their indices (k,)."""
+    gaps = np.diff(complete) - 1
+    if gaps.max(initial=0) > LONGEST_GAP:
+        k = int(np.argmax(gaps > LONGEST_GAP))
+        reason = f"{gaps[k]} rows in a row without all numbers; allowed: up to {LONGEST_GAP}"
+        raise DataError(f"{reason}; fill them, or keep one side of the gap", int(lines[complete[k] + 1]))
 
 
 def read_table(source: Source, needed: str, named: Callable[[list[Column]], bool] | None = None) -> Table:
@@ -147,8 +170,9 @@ def _text(source):
     if len(content) > MOST_BYTES:
         raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
     if not isinstance(content, str):
+        raw = bytes(content)
         try:
-            content = bytes(content).decode()
+            content = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8")
         except UnicodeDecodeError:  # of an older instrument: in Latin-1 every byte is a character
             content = bytes(content).decode("latin-1")
     content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
@@ -197,6 +221,6 @@ def _all_numbers(line):
     line = line if separator == "," else line.replace(",", ".")
     try:
         cells = (cell.strip(' "').replace("\N{MINUS SIGN}", "-") for cell in line.split(separator))
-        return bool([float(cell) for cell in cells if cell])
+        return bool([float(re.sub(FORTRAN, r"\1e\2", cell)) for cell in cells if cell not in MISSING])
     except ValueError:
         return False

@@ -184,7 +184,7 @@ def test_a_curve_that_no_parameter_makes_does_not_fit(skeleton):
     "text, said",
     [
         ("a,b\n1,2\n", "needed: U_x"),
-        ("U_x,F_bar\n1,2\n1,3\n", "line 3.*sort"),
+        ("U_x,F_bar\n1,2\n1,3\n", "line 3.*keep one line of each U_x"),
         ("U_x,F_bar\n1,x\n", "line 2.*not a number"),
         ("U_x,F_bar\n1,2,3\n", "line 2: 3 columns"),
         ("U_x,F_bar\n1,2\n", "points: 1"),

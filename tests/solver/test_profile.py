@@ -102,6 +102,13 @@ def test_a_text_without_a_line_break_is_a_path(tmp_path, monkeypatch):
         read_profile("missing.csv")
 
 
+def test_a_file_in_utf_16_is_read_by_the_names_of_its_columns():
+    rows = "".join(f"{k},{x / 1000.0:.9g},{z / 1000.0:.9g}\n" for k, (x, z) in enumerate(zip(X, HILLS, strict=True)))
+    profile = read_profile(f"index,x in µm,y in µm\n{rows}".encode("utf-16"))
+    assert profile.length == pytest.approx(640.0) and np.ptp(profile.z) == pytest.approx(8.0)
+    assert "not used: index." in profile.notes
+
+
 def test_a_file_in_latin_1_is_read():
     text = table(X / 1000.0, HILLS, heading="Höhe gemessen\nx (µm),z (nm)\n")
     assert read_profile(text.encode("latin-1")) == read_profile(text.encode())
@@ -200,7 +207,7 @@ def test_a_width_selects_the_middle_of_a_profile():
         ("1,2\n2,nan\ninf,3\n4," + "9" * 400 + "\n", 1, "only 1 point,"),
         ("1,2\n2,\1\n", 2, "z = an unreadable cell is not a number"),
         ("1,2\n2,1e300\n", 2, "z = 1e+300 nm: allowed"),
-        ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; sort the lines by x"),
+        ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; keep one line of each x"),
         ("x z\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; sort the lines by x"),
         ("1\n2\n3\n", 1, "one column, two are needed"),
         ("1,5,2,0\n", 1, "4 columns, two are needed: x, z in nm; write a heading, decimal points, or semicolons"),
@@ -253,7 +260,6 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
     ("content", "reason"),
     [
         (bytes(range(256)), "line 1: not a text file"),
-        ("1,2\n2,3\n".encode("utf-16"), "line 1: not a text file"),
         ("1,2\n2,3\n".encode("utf-16-le"), "line 1: not a text file"),
         (b"x,z\n1,2\n3,\xb5\n", "line 3: z = 'µ' is not a number"),
         (b"\0" * 100, "line 1: not a text file"),
@@ -503,3 +509,48 @@ def test_of_a_long_trace_the_middle_or_the_part_asked_for_is_used():
     for wrong in ((-1.0, 100.0), (100.0, 50.0), (0.0, 2e6)):
         with pytest.raises(DataError, match=r"^part = .*allowed: from 0 to 1\.5e\+06 nm"):
             read_profile(text, part=wrong)
+
+
+# One message for one cause
+
+
+def test_a_descending_scan_is_read_in_reverse_order():
+    profile = read_profile(table(X[::-1], HILLS[::-1], heading="x (nm),z (nm)\n"))
+    assert profile == read_profile(table(X, HILLS, heading="x (nm),z (nm)\n"))
+    assert "x descends: the points are read in reverse order." in profile.notes
+
+
+def test_exponents_of_fortran_are_read():
+    rows = "\n".join(f"{x:.6E} {z:.6E}".replace("E", "D") for x, z in zip(X, HILLS, strict=True))
+    assert read_profile(rows).z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-5)
+
+
+@pytest.mark.parametrize("missing", ["Bad", "***", "---", "", "nan"])
+def test_short_gaps_are_bridged_and_long_ones_refused_with_their_place(missing):
+    lines = table(X, HILLS, heading="x (nm),z (nm)\n").split("\n")
+
+    def without(count):
+        gone = [f"{line.split(',')[0]}, {missing}" for line in lines[50 : 50 + count]]
+        return "\n".join([*lines[:50], *gone, *lines[50 + count :]])
+
+    bridged = read_profile(without(5))
+    assert any(note.startswith("5 rows without all numbers left out (line 51") for note in bridged.notes)
+    heights = np.interp(X[:-1], np.arange(bridged.z.size) * 640.0 / bridged.z.size, np.roll(bridged.z, 0))
+    assert np.ptp(heights) == pytest.approx(8.0, abs=0.1)
+    with pytest.raises(DataError, match=r"^line 51: 6 rows in a row without all numbers; allowed: up to 5"):
+        read_profile(without(6))
+
+
+def test_an_overhang_and_a_matrix_are_named():
+    x = X.copy()
+    x[[30, 31, 60, 61]] = x[[31, 30, 61, 60]]
+    with pytest.raises(DataError, match=r"sort the lines by x, if each x has one height: an overhang or a matrix"):
+        read_profile(table(x, HILLS))
+    with pytest.raises(DataError, match=r"16 columns without a heading.*a matrix of heights cannot be read: save one"):
+        read_profile("\n".join([" ".join(map(str, HILLS[:16]))] * 20))
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_heights_in_a_wrong_unit_are_refused(factor):
+    with pytest.raises(DataError, match=r"the heights have an rms of .* nm, allowed: 0\.01 .. 64 nm.*check the units"):
+        read_profile(table(X, HILLS * factor))
