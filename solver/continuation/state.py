@@ -26,6 +26,10 @@ class Restless(NotConverged):
     """A transient does not come to rest; smaller increments would not change that."""
 
 
+class Moving(NotConverged):
+    """A transient still moves after the most steps: it may be slow, or never come to rest."""
+
+
 class OutOfTime(NotConverged):
     """An increment took longer than its limit of time."""
 

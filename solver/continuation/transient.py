@@ -12,7 +12,7 @@ import numpy as np
 
 from .corrector import LONGEST, Corrector
 from .motion import Creep, Motion
-from .state import Restless, State
+from .state import Moving, Restless, State
 
 # A "unit" is the problem's `unit`.
 STEPS = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
@@ -78,7 +78,7 @@ class Transient:
     def to_rest(self) -> tuple[State, bool]:
         """The State at rest, and whether the motion stalled on the way, close to a saddle.
 
-        Raises TooLong where shorter steps may help, Restless where not.
+        Raises TooLong where shorter steps may help, Restless or Moving where not.
         """
         while True:
             self._advance()
@@ -107,7 +107,7 @@ class Transient:
         if not stiffness < DIVERGED * motion.closed:
             raise TooLong("the motion diverges")
         if self.steps > BUDGET:
-            raise Restless(f"still moving, residual {self._residual():.2g} nm, after {BUDGET} steps")
+            raise Moving(f"still moving, residual {self._residual():.2g} nm, after {BUDGET} steps")
         self._set_pace()
         motion.soften(stiffness, self.pace / self.trial.finer)
         motion.advance(STEPS)

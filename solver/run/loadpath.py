@@ -12,7 +12,7 @@ from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import advanced
 from ..continuation.rest import RestOptions
-from ..continuation.state import NotConverged, OutOfTime, PulledOff, Restless, State
+from ..continuation.state import Moving, NotConverged, OutOfTime, PulledOff, Restless, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
@@ -211,10 +211,11 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
         overdamped = "damping=inf, " * (soft and scene.damping != inf)
         weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
         remedy = f"try {overdamped}another indentation or a larger E{weaker}"
-        if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
-            remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
     elif not fast:
         remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
+    # the law has no potential, so that it may feed an oscillation
+    if scene.damping < 1.0 and isinstance(failure, Restless | Moving):
+        remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
     return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
 
