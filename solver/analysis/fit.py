@@ -18,6 +18,7 @@ from ..scene import LIMITS, Scene
 from ..tables import Source
 from .measurement import JUMP, Measurement, read_measurement
 from .partial import DRIVE, continuous
+from .plausible import check_plausible
 from .prediction import AHEAD
 from .trial import AXES, NO_RUN, Model
 
@@ -68,11 +69,14 @@ def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit
     `read_measurement`, or what that reads; free: names of continuous parameters, or of AXES; limit: time limit, s.
     Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine, and about
     given parameters that could explain the same curve.
-    Raises ValueError for names that cannot be free, or none, and for an unusable file; NotFollowed, NotConverged or
+    Raises TypeError for a scene that is none; ValueError for names that cannot be free, or none, for an unusable file,
+    and for a curve whose sign, origin or unit no parameters explain; NotFollowed, NotConverged or
     SceneError where the start has no run, OutOfTime where it has none in time.
 
     Example: `fit(Scene(), "measured.csv", ["phi_n"]).values`
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is fit(scene, measured, free)")
     measured = measured if isinstance(measured, Measurement) else read_measurement(measured, scene)
     allowed = (*continuous(scene), *AXES)
     if isinstance(free, str) or not free:
@@ -81,6 +85,7 @@ def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit
         if name not in allowed or list(free).count(name) > 1:
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
             raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
+    check_plausible(scene, measured)
     longest = max(float(measured.U_x[-1]), scene.u_x_max)
     if "offset_U" in free:  # points move along the curve
         longest *= AHEAD

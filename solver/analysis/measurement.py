@@ -138,10 +138,12 @@ def read_measurement(source: Source, scene: Scene) -> Measurement:
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; scene: gives
     w E and w, over which forces in N/m and areas in nm are taken.
     Returns a Measurement, its noise estimated.
-    Raises DataError.
+    Raises DataError, and TypeError for a scene that is none.
 
     Example: `read_measurement("measured.csv", Scene()).noise`
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is read_measurement(source, scene)")
     table = read_table(source, NEEDED, lambda columns: _has_curve(_indices(columns)))
     of, notes = _indices(table.columns), []
     force, other, load = ("F_bar", "L", "L_bar") if "F_bar" in of else ("F", "L_bar", "L")

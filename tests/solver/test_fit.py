@@ -346,3 +346,31 @@ def test_names_that_cannot_be_free_are_rejected(skeleton):
 def test_a_fit_needs_a_list_of_names(skeleton, free, write):
     with pytest.raises(ValueError, match=rf"free = .*: allowed: a list of names, one or more; write {write}"):
         fit(SMALL, measured(skeleton), free)
+
+
+# Before a fit computes
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda U_x, F: (U_x, -F), r"^F is negative at \d+ of 200 points; turn its sign"),
+        (lambda U_x, F: (U_x + 1000.0, F), r"^U_x begins at 1000.1 nm and spans 11.9 nm.*; subtract 1000.1 nm"),
+        (lambda U_x, F: (U_x - 500.0, F), r"^U_x begins at -499.9 nm.*; subtract -499.9 nm"),
+        (lambda U_x, F: (U_x, 1e6 * F), r"^F reaches .* N/m; an interface .*; check the unit of F"),
+        (lambda U_x, F: (U_x, 1e-9 * F), r"^F reaches .* N/m; an interface .*; check the unit of F"),
+    ],
+)
+def test_a_wrong_sign_origin_or_unit_is_named_before_anything_is_computed(skeleton, change, reason):
+    """No time is left for a run."""
+    data = measured(skeleton)
+    U_x, F = change(data.U_x, data.values["F_bar"])
+    with pytest.raises(DataError, match=reason):
+        fit(SMALL, Measurement.of(U_x, {"F_bar": F}), ("E",), limit=0.0)
+
+
+def test_swapped_arguments_are_named(skeleton):
+    with pytest.raises(TypeError, match=r"^scene = .*: allowed: a Scene; the order is fit\(scene, measured, free\)"):
+        fit(measured(skeleton), SMALL, ("E",))
+    with pytest.raises(TypeError, match=r"^scene = 'f.csv': allowed: a Scene; the order is read_measurement"):
+        read_measurement(SMALL, "f.csv")
