@@ -1,15 +1,18 @@
 """Reads a measured profile, two columns x, z in nm, and makes it periodic; reports what it did and what it rejects."""
 
 import re
+from io import StringIO
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .instruments import is_instruments, read_line
 from .length_units import FACTORS, factor, units_above
 from .scene import LIMITS
+from .smoothing import least_cut_off, smoothed
 from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, NO_UNIT, PERIOD, STEEPEST, DataError, Profile, averaged
-from .tables import SHOWN, Source, listed, read_table
+from .tables import SHOWN, Source, content_of, listed, read_table, reject_gaps
 from .text import counted
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
@@ -44,15 +47,19 @@ def read_profile(
     periodic: bool | None = None,
     unit: str | None = None,
     part: tuple[float, float] | None = None,
+    line: str | None = None,
+    cut_off: float | None = None,
 ) -> Profile:
-    """Reads a measured profile from a CSV of x and z (nm).
+    """Reads a measured profile from a CSV of x and z (nm), or from the file of an instrument (`solver.instruments`).
 
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. The
     lines above the numbers may give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm.
     periodic: whether the points are one period, with or without its first point repeated at the end; by default that is
     so where the ends meet in height and slope. unit: that of x and z, where the file names none; without either they
     are read as nm, with a caution. part: use only that from .. to, nm from the first point. Of more than LONG the
-    middle part of PART is used, unless width or part is given.
+    middle part of PART is used, unless width or part is given. line: "row 12" or "column 12" of a map of heights; by
+    default the row through its highest point. cut_off: wavelength, nm, below which a Gaussian filter removes roughness;
+    nothing is smoothed without it.
     Returns a Profile with points at equal distances. Of one period all heights are kept. Of another profile the mean
     line is removed, and the ends are joined.
     Raises DataError.
@@ -60,7 +67,7 @@ def read_profile(
     Example: `profile = read_profile("profile.csv")`, then
     `Scene(surface="measured", measured=profile, width=profile.length)`
     """
-    points, notes, marked = _points(source, unit)
+    points, notes, marked = _points(source, unit, line)
     periodic = marked or None if periodic is None and width is None else periodic
     points, cut = _cut(points, width, part)
     notes += cut
@@ -74,7 +81,11 @@ def read_profile(
     _reject_unlikely(points)
     if period:
         points = _closed(points, period)
-        _reject_steep(points, "smooth or rescale it")
+    if cut_off is not None:
+        points, smooth = _filtered(points, cut_off, bool(period))
+        notes += smooth
+    if period:
+        _reject_steep(points, _remedy(points, True))
         done = [f"the ends meet: read as one period of {length:.6g} nm; nothing was removed or joined."]
     else:
         points, tilt = _levelled(points)
@@ -87,9 +98,15 @@ def read_profile(
     return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
 
 
-def _points(source, unit):
+def _points(source, unit, line):
     """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
-    table = read_table(source, "two columns: x, z in nm")
+    content = content_of(source)
+    if isinstance(content, bytes) and is_instruments(content):
+        return _of_instrument(content, unit, line)
+    if line is not None:
+        raise DataError(f"line = {line!r}: allowed with a map of heights only; leave it out")
+    # without a line break, a text would be a path
+    table = read_table(content if isinstance(content, bytes) else StringIO(content), "two columns: x, z in nm")
     x_z, units, spare = _two_of(table)
     lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)), profile=True)
     units = units or units_above(table.above)
@@ -109,6 +126,18 @@ def _points(source, unit):
     _reject_few(points)
     notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out, *unknown]
     return points, notes, PERIOD in table.above
+
+
+def _of_instrument(content, unit, line):
+    """As `_points`, of the file of an instrument."""
+    x, z, note = read_line(content, unit, line)
+    known = np.flatnonzero(np.isfinite(z))
+    reject_gaps(known, [0] * z.size)
+    left = z.size - known.size
+    missing = [f"{counted(left, 'missing point')} left out."] * bool(left)
+    points = Points(np.zeros(known.size, int), x[known], z[known])  # there are no lines to name
+    _reject_few(points)
+    return points, [note, *missing], False
 
 
 def _two_of(table):
@@ -227,8 +256,37 @@ def _levelled(points):
         reason = f"the profile as a whole is tilted by {tilt:.3g}, allowed: up to {STEEPEST:g}; level it first"
         raise DataError(reason, points.last)
     levelled = points._replace(z=z - tilt * x)
-    _reject_steep(levelled, "smooth or rescale it")
+    _reject_steep(levelled, _remedy(levelled))
     return levelled, f"a tilt of {tilt:.3g} was removed (line of least squares)."
+
+
+def _even(points):
+    """(spacing, z (n,)) of Points at equal distances: themselves, or interpolated linearly."""
+    count = points.x.size - 1
+    spacing = points.length / count
+    return spacing, np.interp(np.arange(count + 1) * spacing, points.x - points.x[0], points.z)
+
+
+def _filtered(points, cut_off, periodic):
+    """(Points without wavelengths below the cut-off, nm, [note])."""
+    spacing, z = _even(points)
+    if not 2.0 * spacing <= cut_off <= 0.5 * points.length:
+        allowed = f"{2.0 * spacing:.4g} .. {0.5 * points.length:.4g} nm, two spacings to half of the length"
+        raise DataError(f"cut_off = {cut_off:g}: allowed: {allowed}; give a number in that range")
+    found = smoothed(z[:-1] if periodic else z, spacing, cut_off, periodic)
+    found = np.append(found, found[0]) if periodic else found
+    note = f"a Gaussian filter with a cut-off of {cut_off:g} nm changed the rms of heights from {z.std():.4g} to"
+    x = points.x[0] + np.arange(z.size) * spacing
+    return Points(points.line, x, found), [f"{note} {found.std():.4g} nm."]
+
+
+def _remedy(points, periodic=False):
+    """What to do about slopes that are not small."""
+    spacing, z = _even(points)
+    cut_off = least_cut_off(z[:-1] if periodic else z, spacing, STEEPEST, periodic)
+    if cut_off is None:
+        return "rescale it"
+    return f"smooth it by cut_off={float(f'{1.1 * cut_off:.2g}'):g} (nm), or rescale it"
 
 
 def _reject_steep(points, remedy, why=""):

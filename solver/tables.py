@@ -35,7 +35,7 @@ class DataError(ValueError):
 
     def __init__(self, reason: str, line: int | None = None) -> None:
         self.line = line
-        super().__init__(reason if line is None else f"line {line}: {reason}")
+        super().__init__(f"line {line}: {reason}" if line else reason)
 
 
 class Column(NamedTuple):
@@ -69,7 +69,7 @@ class Table:
         notes = [f"{count} left out (line {listed(missing.tolist())})."] if missing.size else []
         (name, *_), steps = columns, np.diff(values[:, 0])
         if profile:
-            _reject_gaps(np.flatnonzero(complete), self.cells.index)
+            reject_gaps(np.flatnonzero(complete), self.cells.index)
             if steps.size and np.all(steps < 0.0):
                 values, lines, steps = values[::-1], lines[::-1], -steps[::-1]
                 notes.append(f"{name} descends: the points are read in reverse order.")
@@ -93,7 +93,7 @@ class Table:
         return texts.astype(float)
 
 
-def _reject_gaps(complete, lines):
+def reject_gaps(complete: NDArray[np.int64], lines: Sequence[int]) -> None:
     """Raises DataError where too many rows between two complete ones are not; complete: their indices (k,)."""
     gaps = np.diff(complete) - 1
     if gaps.max(initial=0) > LONGEST_GAP:
@@ -161,14 +161,20 @@ def _first_row(lines, needed, named):
     return start
 
 
-def _text(source):
-    """The content as text, with plain line breaks; raises DataError where it is not text."""
+def content_of(source: Source) -> str | bytes:
+    """The content of a file, a path, or the content itself; raises DataError, also for more than MOST_BYTES."""
     if isinstance(source, PathLike) or (isinstance(source, str) and not re.search("[\r\n]", source)):
         content = _content(source)
     else:
         content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
         raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
+    return content
+
+
+def _text(source):
+    """The content as text, with plain line breaks; raises DataError where it is not text."""
+    content = content_of(source)
     if not isinstance(content, str):
         raw = bytes(content)
         try:

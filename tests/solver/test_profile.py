@@ -222,7 +222,7 @@ def test_a_width_selects_the_middle_of_a_profile():
         (
             table(X, np.where(X < 300.0, 0.0, 5.0)),
             121,
-            "from the point before, allowed: up to 0.3; smooth or rescale it",
+            "from the point before, allowed: up to 0.3; smooth it by cut_off=41 (nm)",
         ),
     ],
 )
@@ -259,10 +259,10 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (bytes(range(256)), "line 1: not a text file"),
-        ("1,2\n2,3\n".encode("utf-16-le"), "line 1: not a text file"),
+        (bytes(range(256)), "no known file of an instrument"),
+        ("1,2\n2,3\n".encode("utf-16-le"), "no known file of an instrument"),
         (b"x,z\n1,2\n3,\xb5\n", "line 3: z = 'µ' is not a number"),
-        (b"\0" * 100, "line 1: not a text file"),
+        (b"\0" * 100, "no known file of an instrument"),
         (b"7" * (MOST_BYTES + 1), "more than 10 MB"),
     ],
 )

@@ -1,0 +1,91 @@
+"""Surfaces in the files of instruments, read by the package SurfaceTopography: one line of each, in nm.
+
+That package is imported only for a file that is no text. It needs `pip install "mixed-mode-contact[instruments]"`.
+"""
+
+import re
+import warnings
+from io import BytesIO
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .length_units import factor
+from .tables import DataError
+
+INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
+MISSING = 1e9  # nm: heights beyond are marks of missing points
+BEGINNINGS = (b"aBCR-1", b"aISO-1", b"bBCR-1", b"WSxM file", b"# Channel: ", b"\\*File list")  # of files in text
+LINE = re.compile(r"(row|column) (\d{1,6})")
+
+
+class Line(NamedTuple):
+    """A line of a surface: x and z (n,) in nm, z nan where it is missing; note: where it is from."""
+
+    x: NDArray[np.float64]
+    z: NDArray[np.float64]
+    note: str
+
+
+def is_instruments(content: bytes) -> bool:
+    """Whether a file is no table of numbers in text: it has null bytes but no mark of UTF-16, or a known beginning."""
+    start = content[:4096]
+    if start[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return False
+    return b"\0" in start or start.startswith(BEGINNINGS)
+
+
+def read_line(content: bytes, unit: str | None = None, line: str | None = None) -> Line:
+    """Reads a line of the default channel of a file.
+
+    Parameters: content: the bytes of the file; unit: of lengths, where the file names none; line: "row 12" or
+    "column 12" of a map, by default the row through its highest point.
+    Raises DataError for a file that is not known, for one without a unit, and where the package is not installed.
+    """
+    try:
+        from SurfaceTopography import open_topography
+    except ImportError:
+        raise DataError(INSTALL) from None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            reader = open_topography(BytesIO(content))
+            surface = reader.topography()
+    except Exception as error:  # each of some fifty readers raises errors of its own
+        raise DataError(
+            f"no known file of an instrument ({type(error).__name__}); export it as CSV of x and z"
+        ) from None
+    found = surface.unit
+    if found is None and unit is None:
+        raise DataError("the file names no unit of length; give it, as in unit='um'")
+    if found is not None and unit is not None and factor(found) != factor(unit):
+        raise DataError(f"unit = {unit!r}, but the file names {found}; leave unit out")
+    nm = factor(found or unit)  # type: ignore[arg-type]
+    heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
+    heights[np.abs(heights) > MISSING] = np.nan
+    sizes, z, where = surface.physical_sizes, heights, "line"
+    if heights.ndim == 2:
+        where, z, sizes = _of_map(heights, sizes, line)
+    elif line is not None:
+        raise DataError(f"line = {line!r}, but the file has one line only; leave it out")
+    length = float(sizes[0]) * nm
+    high = float(np.nanmax(z) - np.nanmin(z))
+    note = f"{type(reader).__name__}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
+    return Line(np.arange(z.size, dtype=np.float64) * (length / z.size), z, note)
+
+
+def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:
+    """(name of the line, its heights (n,), [its length]) of a map (nx, ny)."""
+    if line is None:
+        if not np.isfinite(heights).any():
+            raise DataError("all points of the map are missing; choose another file")
+        row = int(np.unravel_index(np.nanargmax(heights), heights.shape)[1])
+        return f"row {row}, through the highest point,", heights[:, row], sizes[:1]
+    match = LINE.fullmatch(line)
+    axis = 0 if match and match[1] == "column" else 1
+    if not match or int(match[2]) >= heights.shape[axis]:
+        columns, rows = heights.shape
+        raise DataError(f"line = {line!r}: allowed: row 0 .. {rows - 1} or column 0 .. {columns - 1}; write 'row 0'")
+    k = int(match[2])
+    return line, heights[k] if axis == 0 else heights[:, k], sizes[1 - axis :][:1]
