@@ -47,7 +47,7 @@ def units_above(text: str) -> tuple[str, str] | None:
             continue
         if re.search(r"\d", line) and not re.search(r"\bunits?\b", line, re.I):
             reason = f"the line {line.strip()[:40]!r} names {units[0]}, but not of which column"
-            raise DataError(f"{reason}; give the unit of x and z, as in unit='um'")
+            raise DataError(f"{reason}; write the units of both right above the numbers, as in x (um), z (um)")
         if FOR_X.search(line) and not FOR_Z.search(line):
             x = x or units[0]
         elif FOR_Z.search(line) and not FOR_X.search(line):

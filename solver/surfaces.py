@@ -26,7 +26,7 @@ FEWEST_NODES = 8  # to a wavelength of a wave: linear between them, its slope is
 FEWEST_POINTS = 2 * FEWEST_NODES  # of a measured profile: two waves
 LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 PERIOD = "One period: the last point repeats the first"  # in a file that `Profile.to_csv` wrote
-NO_UNIT = "No unit was found: x and z are read as nm. Give the unit, as in unit='um', if that is wrong."
+NO_UNIT = "No unit was found: x and z are read as nm. If that is wrong, write x (um), z (um) above the numbers."
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
 
