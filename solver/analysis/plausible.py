@@ -1,12 +1,14 @@
 """Whether a measured curve can be that of a scene: signs, origins and units that a fit would try in vain."""
 
+from math import exp
+
 import numpy as np
 
 from ..scene import Scene
 from ..tables import DataError
 from .measurement import Measurement
 
-PEAK = (2.0 / np.e) ** 0.5  # of one spring's shear traction over phi_t/delta_t
+PEAK = (2.0 / exp(1.0)) ** 0.5  # of one spring's shear traction over phi_t/delta_t
 FAR = 1e3  # factor between a measured force and that of the interface beyond which its unit is wrong
 
 
