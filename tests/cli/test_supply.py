@@ -6,6 +6,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -27,6 +29,13 @@ def test_the_image_installs_every_dependency_in_the_pinned_version_with_a_hash()
     assert {name: constraints.get(name) for name in image} == image  # else run .ci/image
     lines = (ROOT / "image.txt").read_text(encoding="utf-8").splitlines()[1:]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+( --hash=sha256:[0-9a-f]{64})+", line) for line in lines)
+
+
+@pytest.mark.parametrize(("name", "line"), [("constraints.txt", "3.9"), ("constraints-3.12.txt", "3.10")])
+def test_both_lines_of_bokeh_have_tried_versions_of_every_dependency(name, line):
+    tried = pinned(name)
+    assert {name_of(each) for each in PROJECT["dependencies"]} <= tried.keys()
+    assert tried["bokeh"].startswith(line)
 
 
 def test_the_lowest_versions_are_those_that_the_project_allows():
