@@ -50,9 +50,9 @@ from .tables import DataError
 from .text import scene_from_text
 
 if TYPE_CHECKING:
+    from .analysis.curve_files import read_measurement
     from .analysis.fit import fit
     from .analysis.maps import Axis, Map, explored
-    from .analysis.measurement import read_measurement
     from .analysis.sensitivities import sensitivities
     from .analysis.theory import theory
     from .analysis.toughness import release_rates, toughness
@@ -103,7 +103,7 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "Map": "maps",
     "explored": "maps",
     "fit": "fit",
-    "read_measurement": "measurement",
+    "read_measurement": "curve_files",
     "release_rates": "toughness",
     "sensitivities": "sensitivities",
     "theory": "theory",

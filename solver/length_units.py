@@ -7,7 +7,7 @@ from .tables import DataError
 
 NM = {  # words of a unit, in small letters: nm
     1.0: ("nm", "nanometer", "nanometre"),
-    1e3: ("um", "µm", "micron", "micrometer", "micrometre"),
+    1e3: ("um", "µm", "âµm", "micron", "micrometer", "micrometre"),  # the third: UTF-8 read as Latin-1
     1e6: ("mm", "millimeter", "millimetre"),
     1e7: ("cm", "centimeter", "centimetre"),
     1e9: ("m", "meter", "metre"),

@@ -53,32 +53,33 @@ class Table:
     cells: "pd.DataFrame"
     comma: bool  # whether commas separate the columns
     above: str = ""  # the lines above the first row, with comments
+    end: int | None = None  # the line where another table begins
 
     def numbers(
         self, columns: Mapping[str, int], profile: bool = False
     ) -> tuple[NDArray[np.int64], dict[str, Floats], list[str]]:
         """(numbers of their lines (k,), {name: column (k,)}, [a note on others]) of rows that are complete.
 
-        columns: {name: index}; they have a finite number in each of them, and the first must ascend. profile: the first
-        may also descend throughout, and at most LONGEST_GAP rows in a row may be incomplete.
+        columns: {name: index}; they have a finite number in each of them. profile: the first must ascend or descend
+        throughout, and at most LONGEST_GAP rows in a row may be incomplete.
         """
         values = np.column_stack([self._numbers(name, self.cells[k]) for name, k in columns.items()])
         complete, lines = np.isfinite(values).all(axis=1), self.cells.index.to_numpy()
         missing, values, lines = lines[~complete], values[complete], lines[complete]
         count = f"{missing.size} row{'s' * (missing.size > 1)} without all numbers"
         notes = [f"{count} left out (line {listed(missing.tolist())})."] if missing.size else []
-        (name, *_), steps = columns, np.diff(values[:, 0])
         if profile:
+            (name, *_), steps = columns, np.diff(values[:, 0])
             reject_gaps(np.flatnonzero(complete), self.cells.index)
             if steps.size and np.all(steps < 0.0):
                 values, lines, steps = values[::-1], lines[::-1], -steps[::-1]
                 notes.append(f"{name} descends: the points are read in reverse order.")
-        if (falls := np.flatnonzero(steps <= 0.0)).size:
-            before, x = values[falls[0] : falls[0] + 2, 0]
-            remedy = f"keep one line of each {name}" if x == before else f"sort the lines by {name}"
-            if profile and x < before and falls.size > 1:
-                remedy += ", if each x has one height: an overhang or a matrix of heights cannot be read"
-            raise DataError(f"{name} = {x:g} after {before:g}; {remedy}", int(lines[falls[0] + 1]))
+            if (falls := np.flatnonzero(steps <= 0.0)).size:
+                before, x = values[falls[0] : falls[0] + 2, 0]
+                remedy = f"keep one line of each {name}" if x == before else f"sort the lines by {name}"
+                if x < before and falls.size > 1:
+                    remedy += ", if each x has one height: an overhang or a matrix of heights cannot be read"
+                raise DataError(f"{name} = {x:g} after {before:g}; {remedy}", int(lines[falls[0] + 1]))
         return lines, dict(zip(columns, values.T, strict=True)), notes
 
     def _numbers(self, name, texts):
@@ -107,19 +108,20 @@ def read_table(source: Source, needed: str, named: Callable[[list[Column]], bool
 
     source: a path, a text without a line break being one; the content as text or bytes; or an open file.
     Semicolons, tabs, commas or blanks separate columns; with the first two, numbers may have decimal commas. Blank
-    lines, text after # and lines above the heading are skipped. named: whether a line is the heading; by default that
-    is the line above the first one of numbers, if there is any.
+    lines, text after # and lines above the heading are skipped. named: whether a line is the heading, which may stand
+    behind a # and have a row of units below it; another one ends the table. By default the heading is the line above
+    the first one of numbers, if there is any.
     """
     from pandas import read_csv  # takes longer to import than the solver
 
     text = _text(source)
     stripped = ((number, line.partition("#")[0].strip()) for number, line in enumerate(text.split("\n"), start=1))
     lines = [(number, line) for number, line in stripped if line]
-    start = _first_row(lines, needed, named)
-    if not lines[start:]:
+    columns, rows_below, end = _heading(lines, text, needed, named) if named else (*_above_numbers(lines), None)
+    if not rows_below:
         raise DataError(f"no points; needed: {needed}", text.count("\n") + 1)
-    columns, separator = _columns(lines[start - 1][1]) if start else [], _separator(lines[start][1])
-    numbers, rows = zip(*lines[start:], strict=True)
+    separator = _separator(rows_below[0][1])
+    numbers, rows = zip(*rows_below, strict=True)
     sizes = [len(row.split(separator)) for row in rows]
     width = sizes[0] if named is None else len(columns)
     if max(sizes) > 100:  # a table of some bytes with a million empty columns would fill the memory
@@ -138,7 +140,7 @@ def read_table(source: Source, needed: str, named: Callable[[list[Column]], bool
         remedy = "use decimal points, or semicolons between columns"
         raise DataError(f"{sizes[numbers.index(line)]} columns in place of {width}; {remedy}", line)
     above = "\n".join(text.split("\n")[: numbers[0] - 1])
-    return Table(columns, cells.loc[:, : width - 1], separator == ",", above)
+    return Table(columns, cells.loc[:, : width - 1], separator == ",", above, end)
 
 
 def listed(items: Sequence) -> str:
@@ -146,19 +148,36 @@ def listed(items: Sequence) -> str:
     return ", ".join(map(str, items[:LISTED])) + " ..." * (len(items) > LISTED)
 
 
-def _first_row(lines, needed, named):
-    """The index of the first line below the heading."""
-    if named is None:
-        first = next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
-        # a number alone above rows of several is their count
-        sizes = [len(line.split(_separator(line))) for _, line in lines[first : first + 2]]
-        return first + (len(sizes) == 2 and sizes[0] == 1 < sizes[1] and _all_numbers(lines[first + 1][1]))
-    start = next((k for k, (_, line) in enumerate(lines, start=1) if named(_columns(line))), 0)
-    if not start:
+def _above_numbers(lines):
+    """(Columns of the line above the first one of numbers, that line and all below)."""
+    first = next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
+    # a number alone above rows of several is their count
+    sizes = [len(line.split(_separator(line))) for _, line in lines[first : first + 2]]
+    first += len(sizes) == 2 and sizes[0] == 1 < sizes[1] and _all_numbers(lines[first + 1][1])
+    return _columns(lines[first - 1][1]) if first else [], lines[first:]
+
+
+def _heading(lines, text, needed, named):
+    """(Columns of the first heading that `named` knows, the lines of its table, the line of another one or None)."""
+    behind = ((number, line.lstrip("# ")) for number, line in enumerate(text.split("\n"), 1) if line.startswith("#"))
+    found = next(((number, line) for number, line in (*lines, *behind) if named(_columns(line))), None)
+    if found is None:
         number, line = lines[0] if lines else (1, "")
         heading = (line[:SHOWN] if line.isprintable() else "not readable") or "missing"
         raise DataError(f"heading {heading}; needed: {needed}", number)
-    return start
+    columns, below = _columns(found[1]), [each for each in lines if each[0] > found[0]]
+    if below and not re.search(r"\d", below[0][1]):  # a row of units
+        units = [_unit(unit.strip(' "[]()')) for unit in below[0][1].split(_separator(below[0][1]))]
+        if len(units) >= len(columns) > 1:
+            columns = [Column(name, unit or own) for (name, unit), own in zip(columns, units, strict=False)]
+            below = below[1:]
+    end = next((k for k, (_, line) in enumerate(below) if line == found[1]), None)
+    if end is None:
+        return columns, below, None
+    rows = end
+    while rows and not _all_numbers(below[rows - 1][1]):  # the lines above another table
+        rows -= 1
+    return columns, below[:rows], below[end][0]
 
 
 def content_of(source: Source) -> str | bytes:

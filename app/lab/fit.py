@@ -20,7 +20,9 @@ from app.service import tasks
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
 from solver import fit
-from solver.analysis.measurement import Measurement, read_measurement
+from solver.analysis.curve_files import read_measurement
+from solver.analysis.measurement import Measurement
+from solver.analysis.recording import Recording
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
 from solver.text import counted
 
@@ -65,7 +67,11 @@ class Fit(LabPage):
         """Read the content of a file, bytes. If it is not usable, the previous measurement stays."""
         if len(content) > LARGEST:
             raise ValueError(f"the file has {len(content)} bytes; allowed: {LARGEST}; thin it out")
-        self.take(await self.call(read_measurement, content, self.scene, private=True), {})
+        measured = await self.call(read_measurement, self.scene, content, private=True)
+        if isinstance(measured, Recording):
+            loop = "this is a loop; the page takes one stroke; in Python, fit takes all of it"
+            raise ValueError(measured.unfit or loop)
+        self.take(measured, {})
 
     async def example(self) -> None:
         """Generate example data."""

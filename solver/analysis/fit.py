@@ -16,10 +16,12 @@ from scipy.optimize import least_squares
 from ..continuation.state import TINY, OutOfTime
 from ..scene import LIMITS, Scene
 from ..tables import Source
-from .measurement import JUMP, Measurement, read_measurement
+from .curve_files import read_measurement
+from .measurement import JUMP, Measurement
 from .partial import DRIVE, continuous
 from .plausible import check_plausible
 from .prediction import AHEAD
+from .recording import Recording
 from .trial import AXES, NO_RUN, Model
 
 APART = 0.99  # correlation beyond which parameters count as one: each has 7 times the error it has alone
@@ -62,11 +64,12 @@ class Fit:
         return numbers | verdict | {"residuals": self.residuals.tolist()}
 
 
-def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit: float = LIMIT) -> Fit:
+def fit(scene: Scene, measured: Measurement | Recording | Source, free: Sequence[str], limit: float = LIMIT) -> Fit:
     """Fits parameters of a scene to a measured curve, given all others.
 
     Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
-    `read_measurement`, or what that reads; free: names of continuous parameters, or of AXES; limit: time limit, s.
+    `read_measurement`, friction in N/m or a loop, or what that reads; free: names of continuous parameters, or of AXES
+    but for a loop; limit: time limit, s.
     Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine, and about
     given parameters that could explain the same curve.
     Raises TypeError for a scene that is none; ValueError for names that cannot be free, or none, for an unusable file,
@@ -77,23 +80,27 @@ def fit(scene: Scene, measured: Measurement | Source, free: Sequence[str], limit
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is fit(scene, measured, free)")
-    measured = measured if isinstance(measured, Measurement) else read_measurement(measured, scene)
-    allowed = (*continuous(scene), *AXES)
+    data = measured if isinstance(measured, Measurement | Recording) else read_measurement(scene, measured)
+    allowed = (*continuous(scene), *([] if isinstance(data, Recording) else AXES))
     if isinstance(free, str) or not free:
         raise ValueError(f"free = {free!r}: allowed: a list of names, one or more; write [{free or allowed[0]!r}]")
     for name in free:
         if name not in allowed or list(free).count(name) > 1:
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
             raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
-    check_plausible(scene, measured)
-    longest = max(float(measured.U_x[-1]), scene.u_x_max)
+    if isinstance(data, Recording):
+        from .loop_fit import fit_of_loop  # it calls this for the first pull
+
+        return fit_of_loop(scene, data, tuple(free), limit)
+    check_plausible(scene, data)
+    longest = max(float(data.U_x[-1]), scene.u_x_max)
     if "offset_U" in free:  # points move along the curve
         longest *= AHEAD
     base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + limit
-    model = Model(base, measured, tuple(free), end)
+    model = Model(base, data, tuple(free), end)
     trial, caution = _optimum(model, limit)
-    if measured.slips and not _fits(trial) and perf_counter() < end:  # slips may be missed, or be none
-        uncut = Model(base, replace(measured, slips=()), tuple(free), end)
+    if data.slips and not _fits(trial) and perf_counter() < end:  # slips may be missed, or be none
+        uncut = Model(base, replace(data, slips=()), tuple(free), end)
         other, its_caution = _optimum(uncut, limit)
         if _chi2(other) < _chi2(trial):
             model, trial, caution = uncut, other, its_caution
@@ -146,7 +153,7 @@ def _fits(trial):
 def _fit_of(model, trial, caution):
     """The Fit of the best Trial of a Model, with that caution."""
     chi2, reached = _chi2(trial), _fits(trial)
-    deviation, correlations = _uncertainty(trial.jacobian)
+    deviation, correlations = uncertainty(trial.jacobian)
     errors = deviation * (1.0 if reached else chi2**0.5)
     warnings = [caution] if caution else []
     if not reached:
@@ -158,7 +165,7 @@ def _fit_of(model, trial, caution):
     return Fit(*named, correlations, chi2, reached, model.runs, tuple(warnings), _rows(model, trial), trial.residuals)
 
 
-def _uncertainty(jacobian):
+def uncertainty(jacobian: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(standard deviations (n,), correlations (n, n)) of parameters, from residuals' derivatives (k, n)."""
     size = np.maximum(np.linalg.norm(jacobian, axis=0), TINY)
     curvature, ways = np.linalg.eigh((jacobian / size).T @ (jacobian / size))
@@ -209,11 +216,18 @@ def _of_parameters(model, trial, errors, correlations):
         if vague or at_end[i] or size[i] <= TINY:
             found = f"{x[i]:.4g} +- {errors[i]:.2g}" + ", at the end of its range" * bool(at_end[i])
             warnings.append(f"the data do not determine {name}: {found}; fix it, or measure more")
-        for j in range(i):
-            if abs(correlations[i, j]) > APART:
-                pair = f"{free[j]} and {name} cannot be told apart: correlation {correlations[i, j]:.3f}"
-                warnings.append(f"{pair}; fix one of them, their errors mean little")
-    return warnings
+    return [*warnings, *alike(free, correlations)]
+
+
+def alike(free: Sequence[str], correlations: NDArray[np.float64]) -> list[str]:
+    """Warnings about pairs of parameters (n,) that correlations (n, n) do not tell apart."""
+    return [
+        f"{free[j]} and {free[i]} cannot be told apart: correlation {correlations[i, j]:.3f}; fix one of them, their"
+        " errors mean little"
+        for i in range(len(free))
+        for j in range(i)
+        if abs(correlations[i, j]) > APART
+    ]
 
 
 def _given(model, trial):

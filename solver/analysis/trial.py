@@ -20,6 +20,7 @@ from .prediction import Predicted
 from .sensitivities import sensitivities
 
 Floats = NDArray[np.float64]
+EXACT = 1e-4  # of the node spacing: a slip cannot be measured more exactly
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
 RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
@@ -211,6 +212,7 @@ class Model:
         `branch` (n,), have one load modulo that, inside all their intervals.
         """
         loads, errors = self.intervals.mean(axis=0), UNIFORM * np.ptp(self.intervals, axis=0)
+        errors = np.maximum(errors, EXACT * self.scene.spacing)  # two points may have the U_x of the slip
         for k in np.unique(branch) if "width" not in self.free else ():
             mine = branch == k
             low, high = (self.intervals[0, mine] - moved[mine]).max(), (self.intervals[1, mine] - moved[mine]).min()

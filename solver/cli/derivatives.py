@@ -8,8 +8,8 @@ from typing import Any
 from .. import plots, skeleton_of
 from ..analysis import fit as fits
 from ..analysis import sensitivities as analysis
+from ..analysis.curve_files import read_measurement
 from ..analysis.fit import LIMIT, UNITS
-from ..analysis.measurement import read_measurement
 from ..analysis.trial import AXES
 from ..files import write_json, write_rows
 from ..scene import LIMITS, Scene
@@ -92,7 +92,7 @@ def add_fit(commands: Any) -> None:
 def fit(scene: Scene, arguments: argparse.Namespace) -> int:
     """Fits and prints values with their errors; returns the exit code."""
     try:
-        measured = read_measurement(arguments.file, scene)
+        measured = read_measurement(scene, arguments.file)
         result = fits.fit(scene, measured, arguments.free, arguments.limit)
     except ValueError as error:  # DataError among them
         raise InputError(str(error)) from None

@@ -8,6 +8,7 @@ from SurfaceTopography import Topography, UniformLineScan
 
 from solver import DataError, read_profile
 from solver.instruments import is_instruments, read_line
+from solver.length_units import factor
 from solver.smoothing import ALPHA, least_cut_off, smoothed
 
 X = np.arange(400) * 2.5  # nm
@@ -102,3 +103,8 @@ def test_a_steep_profile_names_a_cut_off_that_then_works():
     with pytest.raises(DataError, match=r"^cut_off = 1: allowed: 5 .. 498.8 nm"):
         read_profile(text, cut_off=1.0)
     assert least_cut_off(1e3 * np.arange(50) % 7e3, 1.0, 0.3) is None
+
+
+def test_a_micro_sign_that_a_writer_and_a_reader_encode_differently_is_known():
+    """surfalize writes it in UTF-8, SurfaceTopography reads Latin-1: findings/surfalize-sur-in-another-reader.sh."""
+    assert factor("\u00c2\u00b5m") == 1e3

@@ -1,0 +1,159 @@
+"""Parameters from a measured loop: runs through its turning points, compared after a running mean.
+
+A slip is a step of F, and a curve with steps has no derivative by a parameter that moves them. Its running mean has
+one, so both curves are averaged: over a period of the lattice first, then over ever fewer points.
+"""
+
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from ..continuation.state import OutOfTime
+from ..run.frame import Frame
+from ..run.loadpath import load_path
+from ..scene import LIMITS, Scene
+from ..tables import DataError
+from ..text import counted
+from .comparison import Comparison, compared
+from .fit import Fit, alike, fit, uncertainty
+from .measurement import Measurement
+from .plausible import check_plausible
+from .recording import Recording
+from .trial import NO_RUN
+
+Floats = NDArray[np.float64]
+POINTS = (25, 13, 5)  # of the running means, in turn; odd
+STEP = 6e-4  # of a parameter, times the points of the mean: a slip then moves by less than these
+TRIALS = 12  # of the search with one mean
+CALM = 0.9  # of the points: so many must lie within five deviations; the others are beside slips
+NO_LOOP = "the best loop does not fit; check units and noise, free other parameters, or vary the start"
+MOST = 17  # segments: a path has 20 points, three of which are the approach and the first pull
+
+
+class Ran(NamedTuple):
+    """A run of a scene, as forces in N/m are compared with: those over F_s would need the first slip."""
+
+    scene: Scene
+    frames: list[Frame]
+    first_slip: None = None
+
+
+@dataclass(eq=False)
+class LoopModel:
+    """Residuals of a loop by the free parameters. best: (cost, x, Comparison) of one mean; runs: how many so far."""
+
+    scene: Scene
+    measured: Recording
+    free: tuple[str, ...]
+    end: float
+    best: tuple[float, Floats, Comparison] | None = None
+    runs: int = 0
+    done: dict[tuple[float, ...], Comparison] = field(default_factory=dict)
+
+    def residuals(self, x: Floats, points: int) -> Floats:
+        """(k,) over the noise, averaged over so many points; raises TimeoutError at the end of the time."""
+        key = tuple(map(float, x))
+        if key not in self.done:
+            if perf_counter() > self.end:
+                raise TimeoutError
+            self.done[key] = self._compared(key)
+        found, off = self.done[key], off_of(self.done[key])
+        ends = np.cumsum([segment.x.size for segment in self.measured.segments if segment.name != "hold"])[:-1]
+        averaged = np.concatenate([_mean(part, points) for part in np.split(off, ends)])
+        cost = float(averaged @ averaged)
+        if self.best is None or cost < self.best[0]:
+            self.best = cost, np.array(key), found
+        return averaged
+
+    def _compared(self, x):
+        """The Comparison with the run at x; raises NotConverged, SceneError."""
+        self.runs += 1
+        values = dict(zip(self.free, x, strict=True))
+        scene = looped(self.scene.changed(**values), self.measured)
+        return compared(self.measured, Ran(scene, list(load_path(scene))))
+
+    def search(self, x: Floats, means: tuple[int, ...]) -> tuple[Floats, Floats]:
+        """(x (n,) of least squares from a start, derivatives (k, n)), with these running means in turn."""
+        low, high = np.array([(LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
+        for points in means:
+            self.best = None
+            found = least_squares(
+                self.residuals, np.clip(x, low, high), bounds=(low, high), x_scale=np.maximum(np.abs(x), 0.1),
+                diff_step=STEP * points, loss="soft_l1", xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
+            )  # fmt: skip
+            x = found.x
+        return x, found.jac
+
+
+def off_of(found: Comparison) -> Floats:
+    """(k,) computed less measured, over the noise."""
+    return np.array([(computed - seen) / found.noise[name] for _, _, name, seen, computed in found.rows])
+
+
+def _mean(y, points):
+    """The running mean of y (k,), ends repeated."""
+    return np.convolve(np.pad(y, points // 2, mode="edge"), np.ones(points) / points, "valid")
+
+
+def looped(scene: Scene, measured: Recording) -> Scene:
+    """The scene on the path of a loop: pressed to delta_bar, then through the turning points. Raises DataError."""
+    slides = [segment for segment in measured.segments if segment.name != "hold"]
+    if len(slides) > MOST:
+        raise DataError(f"{counted(len(slides), 'segment')}; a fit takes up to {MOST}; keep a part of the loop")
+    ends = [float(segment.x[-1]) for segment in slides]
+    if not measured.virgin:  # it begins where it closes
+        ends = [float(slides[0].x[0]), *ends]
+    places = [(0.0, -1.0), (0.0, scene.delta_bar), *((end, scene.delta_bar) for end in ends)]
+    return scene.changed(path="points", points="; ".join(f"{U_x:.9g},{depth:.9g}" for U_x, depth in places))
+
+
+def searched(
+    scene: Scene, measured: Recording, free: tuple[str, ...], start: Floats, limit: float, near: bool
+) -> tuple[LoopModel, Floats, Floats | None, str]:
+    """(LoopModel, its best x (n,), derivatives (k, n) or None, what limits the values or "").
+
+    near: whether `start` is that of a fit of the first pull, so that the finest mean suffices. Raises OutOfTime.
+    """
+    model = LoopModel(scene, measured, free, perf_counter() + limit)
+    try:
+        x, jacobian = model.search(start, POINTS[-1:] if near else POINTS)
+        return model, x, jacobian, ""
+    except TimeoutError:
+        if model.best is None:
+            raise OutOfTime(f"no run of the loop was computed within {limit:g} s; allow more, or raise E") from None
+        return model, model.best[1], None, f"stopped after {limit:g} s: the values are the best so far"
+
+
+def fit_of_loop(scene: Scene, measured: Recording, free: tuple[str, ...], limit: float) -> Fit:
+    """The Fit of a Recording of a loop: of its first pull, if it has that, then of all of it."""
+    if measured.unfit:
+        raise DataError(measured.unfit)
+    start, near = np.array([getattr(scene, name) for name in free]), False
+    first = measured.segments[0]
+    if measured.virgin:
+        values = {f"{name}_bar": y / (scene.width * scene.E) for name, y in first.values.items() if name in "FL"}
+        stroke = Measurement.of(first.x, values, unit=scene.width * scene.E)
+        check_plausible(scene, stroke)
+        try:
+            start, near = np.array(list(fit(scene, stroke, free, 0.5 * limit).values.values())), True
+        except (*NO_RUN, TimeoutError):  # then the search begins where the scene is
+            pass
+    model, x, jacobian, caution = searched(scene, measured, free, start, limit, near)
+    assert model.best  # a search computes one run at least, or raises
+    _, x, found = model.best
+    off = off_of(found)
+    calm = np.abs(off) < 5.0  # a point beside a slip counts by the running mean
+    freedom = max(1, int(calm.sum()) - x.size)
+    chi2 = float((off[calm] ** 2).sum()) / freedom
+    reached = chi2 < 1.0 + 5.0 * (2.0 / freedom) ** 0.5 and calm.mean() > CALM
+    deviation, correlations = uncertainty(jacobian if jacobian is not None else np.zeros((1, x.size)))
+    deviation *= max(1.0, chi2) ** 0.5
+    warnings = [*[caution] * bool(caution), *[NO_LOOP] * (not reached), *alike(free, correlations)]
+    found_at, errors = (dict(zip(free, map(float, numbers), strict=True)) for numbers in (x, deviation))
+    unit = scene.width * scene.E
+    rows = [(U_x, f"{name}_bar", seen / unit, computed / unit) for _, U_x, name, seen, computed in found.rows]
+    return Fit(found_at, errors, correlations, chi2, reached, model.runs, tuple(warnings), rows, off)

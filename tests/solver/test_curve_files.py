@@ -1,0 +1,233 @@
+"""Curves of every kind that instruments and runs write are read with their units and segments, or refused."""
+
+import numpy as np
+import pytest
+
+from solver import DataError, Scene, fit, read_measurement, simulate
+from solver.analysis.measurement import Measurement
+from solver.analysis.recording import turns_of
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=8.0, du_x=0.2, du_z=0.5, E=30.0)
+NOISE = 0.01  # of the largest force
+DOWN = np.linspace(-10.0, 1.0, 60)  # delta, nm
+LOAD = np.where(DOWN < 0.0, -0.5 * np.exp(DOWN), 20.0 * np.clip(DOWN, 0.0, None) ** 1.5 - 0.5)  # N/m
+
+
+def table(heading, *columns, above="", separator=","):
+    """The text of a file with these columns."""
+    rows = (separator.join(f"{number:.9g}" for number in row) for row in zip(*columns, strict=True))
+    return "\n".join([*above.splitlines(), heading, *rows])
+
+
+def there_and_back(x, *ys):
+    """x and each y, followed by themselves in reverse."""
+    return [np.append(column, column[::-1]) for column in (x, *ys)]
+
+
+def names_of(found):
+    return [segment.name for segment in found.segments]
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return simulate(SMALL.changed(path="loop"))
+
+
+def measured_loop(loop, first=0):
+    """A Recording of a computed loop with noise, from its point `first` on."""
+    frames = [frame for frame in loop.frames if frame.stage != "approach"]
+    F = np.array([frame.F for frame in frames])
+    F += NOISE * np.abs(F).max() * np.random.default_rng(1).normal(size=F.size)
+    return read_measurement(SMALL, table("U_x (nm),F (N/m)", [frame.U_x for frame in frames][first:], F[first:]))
+
+
+# A load over an approach
+
+LOADS = {  # {heading, in which delta and load have these factors: (factor of delta, factor of the load, unit)}
+    "delta (nm),L (N/m)": (1.0, 1.0, "N/m"),
+    "indentation depth (um);normal force (mN/m)": (1e-3, 1e3, "N/m"),
+    "height (nm),force (nN)": (-1.0, 1e9, "N"),
+    "Z-Sense(nm)\tforce (uN)": (1.0, 1e6, "N"),
+    "Separation / nm,Load / N": (-1.0, 1.0, "N"),
+    "displacement (um),load (mN)": (1e-3, 1e3, "N"),
+}
+
+
+@pytest.mark.parametrize("heading", LOADS)
+def test_a_load_over_an_approach_is_read_in_its_unit(heading):
+    along, force, unit = LOADS[heading]
+    separator = next(mark for mark in ";\t," if mark in heading)
+    delta, L = there_and_back(DOWN, LOAD)
+    found = read_measurement(SMALL, table(heading, along * delta, force * L, separator=separator))
+    assert (found.kind, names_of(found), found.units["L"]) == ("load", ["approach", "retract"], unit)
+    approach = found.segments[0]
+    assert approach.x - approach.x[0] == pytest.approx(DOWN - DOWN[0], abs=1e-6)
+    assert approach.values["L"] == pytest.approx(LOAD, rel=1e-6)
+    assert found.free == ("delta" not in heading and "indentation" not in heading)
+
+
+def test_a_pause_between_approach_and_retraction_is_a_hold():
+    delta, L = (np.concatenate([y, np.full(30, y[-1]), y[::-1]]) for y in (DOWN, LOAD))
+    found = read_measurement(SMALL, table("delta (nm),L (N/m)", delta, L))
+    assert names_of(found) == ["approach", "hold", "retract"]
+    assert found.segments[1].x.size == pytest.approx(30, abs=3)
+
+
+def test_segments_side_by_side_are_two_and_a_voltage_takes_the_factors_that_the_file_names():
+    above = "Force Constant, nN/nm:\t2.0\nLight Lever Gain, mV/nm:\t4.0\n"
+    heading = "Extend Z-Sense(nm),Extend T-B(V),Retract Z-Sense(nm),Retract T-B(V)"
+    text = table(heading, DOWN, LOAD, DOWN[::-1], LOAD[::-1], above=above)
+    found = read_measurement(SMALL, text)
+    assert names_of(found) == ["approach", "retract"] and found.units["L"] == "N"
+    assert found.segments[0].values["L"] == pytest.approx(LOAD * 1e3 / 4.0 * 2.0 * 1e-9, rel=1e-6)
+    assert found.notes[0] == "Extend T-B in V: over a gain of 4 mV/nm, times 2 N/m."
+    with pytest.raises(DataError, match=r"Extend T-B in 'V'; allowed units: .*give force= \(N/m per unit\)"):
+        read_measurement(SMALL, text.split("\n", 2)[2])
+
+
+def test_a_heading_behind_a_mark_with_named_segments_and_the_units_of_its_writer_is_read():
+    """As afmformats writes them: metres and newtons, neither named, and the first row glued to the heading."""
+    lines = ["# afmformats 0.13.3", "# BEGIN METADATA", '#   "spring constant": 0.022,', "# END METADATA"]
+    rows = [
+        f"{L * 1e-9:.9g}\t{-d * 1e-9:.9g}\t{way}" for way in ("False", "True") for d, L in zip(DOWN, LOAD, strict=True)
+    ]
+    text = "\n".join([*lines, "# force\theight (measured)\tsegment", *rows])
+    found = read_measurement(SMALL, text)
+    assert (names_of(found), found.units["L"]) == (["approach", "retract"], "N")
+    assert np.ptp(found.segments[0].x) == pytest.approx(np.ptp(DOWN), rel=1e-6)
+    assert found.said["spring constant"] == "0.022"
+
+
+def test_a_load_is_compared_with_a_run_whose_zero_and_scale_are_not_known():
+    result = simulate(SMALL.changed(path="unload"))
+    frames = [frame for frame in result.frames if frame.stage in ("approach", "unload")]
+    delta, L = (np.array([getattr(frame, name) for frame in frames]) for name in ("delta", "L"))
+    same = read_measurement(SMALL, table("delta (nm),L (N/m)", delta, L)).residuals(result)
+    assert same.rms["L"] < 1e-6 * np.abs(L).max() and same.shift == 0.0
+    far = read_measurement(SMALL, table("height (nm),force (nN)", 500.0 - delta, 3.0 * L + 40.0)).residuals(result)
+    assert far.shift == pytest.approx(500.0, abs=0.01)
+    assert far.scale == pytest.approx(1.0 / 3e-9, rel=1e-3)
+    assert far.rms["L"] < 1e-3 * np.abs(L).max()
+    assert "delta shifted by 500" in repr(far) and "N/m per N" in repr(far)
+    with pytest.raises(ValueError, match=r"no stage for the segment 'retract'.*; compute it with path='unload'"):
+        read_measurement(SMALL, table("delta (nm),L (N/m)", delta, L)).residuals(simulate(SMALL))
+
+
+# A loop
+
+
+def test_a_loop_is_read_in_segments_and_compared_with_its_run(loop):
+    data = measured_loop(loop)
+    assert (data.kind, names_of(data), data.virgin) == ("loop", ["forth", "back", "forth"], True)
+    found = data.residuals(loop)
+    assert found.rms["F"] / found.noise["F"] == pytest.approx(1.0, abs=0.2)
+    closed = measured_loop(loop, first=41)
+    assert (names_of(closed), closed.virgin) == (["back", "forth"], False)
+    assert closed.residuals(loop).rms["F"] == pytest.approx(found.rms["F"], rel=0.2)
+
+
+def test_the_file_of_a_computed_loop_is_read_as_one(tmp_path, loop):
+    loop.save(tmp_path / "loop.csv")
+    found = read_measurement(SMALL, tmp_path / "loop.csv")
+    assert (found.kind, names_of(found)) == ("loop", ["forth", "back", "forth"])
+    assert found.residuals(loop).rms == pytest.approx({"F": 0.0, "L": 0.0, "A": 0.0}, abs=1e-6)
+
+
+@pytest.mark.parametrize("first", [0, 41])
+def test_a_fit_of_a_loop_finds_what_made_it(loop, first):
+    found = fit(SMALL.changed(E=33.0), measured_loop(loop, first), ["E"])
+    assert found.values["E"] == pytest.approx(30.0, abs=4.0 * found.errors["E"]) and found.errors["E"] < 0.2
+    assert found.reached and not found.warnings
+
+
+def test_small_ways_back_are_noise_and_no_segments():
+    x = np.linspace(0.0, 10.0, 200) + 0.05 * np.random.default_rng(1).normal(size=200)
+    assert turns_of(x) == [0, 199]
+    found = read_measurement(SMALL, table("U_x (nm),F (N/m)", x, np.sin(x)))
+    assert isinstance(found, Measurement) and np.all(np.diff(found.U_x) >= 0.0)
+    assert "put in order" in found.notes[0]
+
+
+# Friction over time
+
+TIMED = np.linspace(0.0, 2.0, 50)
+
+
+@pytest.mark.parametrize(
+    ("above", "speed", "heading"),
+    [
+        ("Speed: 5 nm/s\n", None, "Time (s),Fx (N/m),Fz (N/m)"),
+        ("Velocity (um/s) = 0.005\n", None, "Time (s),Fx (N/m),Fz (N/m)"),
+        ("", 5.0, "t (s),friction (N/m),normal load (N/m)"),
+        ("Velocity = 240\n", 5.0, "Fx,Fz,T"),
+    ],
+)
+def test_friction_over_time_takes_the_speed_that_is_said_or_given(above, speed, heading):
+    F, L = 3.0 * np.sin(TIMED), 2.0 + TIMED
+    columns = (F, L, TIMED) if heading == "Fx,Fz,T" else (TIMED, F, L)
+    rows = table(heading, *columns, above=above)
+    if heading == "Fx,Fz,T":  # a row of units
+        rows = rows.replace("Fx,Fz,T\n", "Fx,Fz,T\nN/m,N/m,sec\n")
+    found = read_measurement(SMALL, rows, speed=speed)
+    assert found.U_x == pytest.approx(5.0 * TIMED)
+    assert found.values["F_bar"] * found.unit == pytest.approx(F, abs=1e-8)
+    assert found.values["L_bar"] * found.unit == pytest.approx(L)
+
+
+def test_friction_over_time_without_a_speed_is_refused_with_what_the_file_says():
+    text = table("Time (s),Fx (N/m),Fz (N/m)", TIMED, TIMED, TIMED, above="Velocity = 240\n")
+    with pytest.raises(DataError, match=r"the file says Velocity = 240, without a unit; give speed= \(nm/s\)"):
+        read_measurement(SMALL, text)
+
+
+def test_another_table_in_the_file_is_left_out_and_named():
+    one = table("Time (s),Fx (N/m)", TIMED, np.sin(TIMED))
+    found = read_measurement(SMALL, f"{one}\n\nStep No. 2\n{one}", speed=5.0)
+    assert found.U_x.size == TIMED.size and found.notes == ("line 54 begins another table: left out.",)
+
+
+def test_forces_without_a_width_are_kept_in_newtons_and_no_fit_takes_them():
+    text = table("U_x (nm),F (mN)", TIMED, 2.0 * TIMED)
+    found = read_measurement(SMALL, text)
+    assert (found.kind, found.units["F"]) == ("friction", "N")
+    assert found.segments[0].values["F"] == pytest.approx(2e-3 * TIMED)
+    with pytest.raises(DataError, match="F is in N, and a fit needs N/m; divide it by the width of the contact"):
+        fit(SMALL, found, ["E"])
+    over_a_millimetre = read_measurement(SMALL, text, force=1.0)  # 1 mN over 1 mm is 1 N/m
+    assert over_a_millimetre.values["F_bar"] * over_a_millimetre.unit == pytest.approx(2.0 * TIMED)
+
+
+# An area over a force
+
+
+def test_an_area_over_a_force_is_read_relative_or_in_nm_and_compared():
+    result = simulate(SMALL)
+    end = result.first_slip
+    frames = [frame for frame in result.frames if frame.stage == "shear" and frame.U_x < end.U_s]
+    F, A = (np.array([getattr(frame, name) for frame in frames]) for name in ("F", "A"))
+    for heading, x, y in (("F (N/m),A (nm)", F, A), ("F/F_s,A/A_0", F / end.F_s, A / A[0])):
+        data = read_measurement(SMALL, table(heading, x, y))
+        assert data.kind == "area over force"
+        assert data.residuals(result).rms["A"] < 1e-6 * y.max()
+    with pytest.raises(DataError, match="this is area over force; a fit takes friction"):
+        fit(SMALL, data, ["E"])
+    with pytest.raises(DataError, match=r"A in 'mm\^2'; .*; divide it by its value without shear, and write A/A_0"):
+        read_measurement(SMALL, table("F (mN),A (mm^2)", F, A))
+
+
+# Units that stand nowhere, and points of one place
+
+
+def test_a_missing_unit_is_said():
+    found = read_measurement(SMALL, table("U_x,F", TIMED, TIMED))
+    assert found.notes == ("no unit found: U_x as nm and F as N/m read; if that is wrong, write it in the heading.",)
+
+
+def test_two_points_at_a_slip_may_have_one_displacement(loop):
+    U_x = np.array([frame.U_x for frame in loop.frames if frame.stage == "shear"])
+    F = np.array([frame.F for frame in loop.frames if frame.stage == "shear"])
+    slip = int(np.argmin(np.diff(F)))
+    U_x[slip] = U_x[slip + 1] = 0.5 * (U_x[slip] + U_x[slip + 1])
+    data = read_measurement(SMALL, table("U_x (nm),F (N/m)", U_x, F))
+    assert data.U_x.size == U_x.size
+    assert fit(SMALL.changed(E=30.3), data, ["E"]).values["E"] == pytest.approx(30.0, rel=5e-3)
