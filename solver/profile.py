@@ -41,6 +41,28 @@ class Points(NamedTuple):
         return float(self.x[-1] - self.x[0])
 
 
+class Trace(NamedTuple):
+    """A profile as measured: x and z (n,) in nm; named: whether the file, or the argument, names their unit."""
+
+    x: NDArray[np.float64]
+    z: NDArray[np.float64]
+    named: bool
+
+
+class SteepError(DataError):
+    """Slopes that are not small; cut_off: a wavelength, nm, of a filter that suffices, or None for none."""
+
+    def __init__(self, reason: str, line: int | None, cut_off: float | None) -> None:
+        super().__init__(reason, line)
+        self.cut_off = cut_off
+
+
+def read_trace(source: Source, unit: str | None = None, line: str | None = None) -> Trace:
+    """Reads the points of a profile as `read_profile` does, without changing any, to be looked at; raises DataError."""
+    points, notes, _ = _points(source, unit, line)
+    return Trace(points.x, points.z, NO_UNIT not in notes)
+
+
 def read_profile(
     source: Source,
     width: float | None = None,
@@ -85,15 +107,15 @@ def read_profile(
         points, smooth = _filtered(points, cut_off, bool(period))
         notes += smooth
     if period:
-        _reject_steep(points, _remedy(points, True))
-        done = [f"the ends meet: read as one period of {length:.6g} nm; nothing was removed or joined."]
+        _reject_steep(points, True)
+        done = [f"The ends meet: read as one period of {length:.6g} nm; nothing was removed or joined."]
     else:
         points, tilt = _levelled(points)
         points, step = _joined(points)
         done = [tilt, step]
     z, resampled = _at_equal_distances(points)
     start = int(np.argmin(z))
-    shift = f"shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
+    shift = f"Shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
     shift += f"; with fewer nodes than {z.size} each shows the mean over the node spacing."
     return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
 
@@ -159,8 +181,9 @@ def _two_of(table):
         if unit.lower() not in FACTORS:
             allowed = "allowed units: nm, µm, Å, mm, cm, m"
             raise DataError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
-    rest = [columns[k].name if k < len(columns) else f"column {k + 1}" for k in range(width) if k not in x_z]
-    return x_z, tuple((2 * units)[:2]) or None, [f"not used: {listed(rest)}."] * bool(rest)
+    others = [k for k in range(width) if k not in x_z and table.cells.iloc[:, k].ne("").any()]
+    rest = [(columns[k].name if k < len(columns) else "") or f"column {k + 1}" for k in others]
+    return x_z, tuple((2 * units)[:2]) or None, [f"Not used: {listed(rest)}."] * bool(rest)
 
 
 def _reject_unlikely(points):
@@ -184,7 +207,7 @@ def _cut(points, width, part):
         if width is not None or not 0.0 <= start < end <= points.length * (1.0 + EVEN):
             reason = f"part = {part}: allowed: from 0 to {points.length:.6g} nm, ascending, without width"
             raise DataError(f"{reason}; give such a part")
-        return _between(points, start, end), [f"of {points.length:.6g} nm those from {start:g} to {end:g} nm are used."]
+        return _between(points, start, end), [f"Of {points.length:.6g} nm those from {start:g} to {end:g} nm are used."]
     if width is not None:
         return _middle(points, float(width))
     if points.length <= LONG:
@@ -204,7 +227,7 @@ def _middle(points, width):
         raise DataError(f"{reason}; allowed: above 0 to that length; set such a width", points.last)
     if spare <= EVEN * points.length:
         return points, []
-    note = f"of {points.length:.6g} nm the {width:g} nm in the middle are used."
+    note = f"Of {points.length:.6g} nm the {width:g} nm in the middle are used."
     return _between(points, 0.5 * spare, points.length - 0.5 * spare), [note]
 
 
@@ -256,8 +279,8 @@ def _levelled(points):
         reason = f"the profile as a whole is tilted by {tilt:.3g}, allowed: up to {STEEPEST:g}; level it first"
         raise DataError(reason, points.last)
     levelled = points._replace(z=z - tilt * x)
-    _reject_steep(levelled, _remedy(levelled))
-    return levelled, f"a tilt of {tilt:.3g} was removed (line of least squares)."
+    _reject_steep(levelled)
+    return levelled, f"A tilt of {tilt:.3g} was removed (line of least squares)."
 
 
 def _even(points):
@@ -275,27 +298,28 @@ def _filtered(points, cut_off, periodic):
         raise DataError(f"cut_off = {cut_off:g}: allowed: {allowed}; give a number in that range")
     found = smoothed(z[:-1] if periodic else z, spacing, cut_off, periodic)
     found = np.append(found, found[0]) if periodic else found
-    note = f"a Gaussian filter with a cut-off of {cut_off:g} nm changed the rms of heights from {z.std():.4g} to"
+    note = f"A Gaussian filter with a cut-off of {cut_off:g} nm changed the rms of heights from {z.std():.4g} to"
     x = points.x[0] + np.arange(z.size) * spacing
     return Points(points.line, x, found), [f"{note} {found.std():.4g} nm."]
 
 
-def _remedy(points, periodic=False):
-    """What to do about slopes that are not small."""
+def _enough(points, periodic=False):
+    """A cut-off, nm, that makes slopes small; None if there is none."""
     spacing, z = _even(points)
     cut_off = least_cut_off(z[:-1] if periodic else z, spacing, STEEPEST, periodic)
-    if cut_off is None:
-        return "rescale it"
-    return f"smooth it by cut_off={float(f'{1.1 * cut_off:.2g}'):g} (nm), or rescale it"
+    return cut_off and float(f"{1.1 * cut_off:.2g}")
 
 
-def _reject_steep(points, remedy, why=""):
-    """Raises DataError at the first slope beyond STEEPEST."""
+def _reject_steep(points, periodic=False, why=""):
+    """Raises SteepError at the first slope beyond STEEPEST; why: what made it, where a cut-off does not help."""
     slopes = np.abs(np.diff(points.z) / np.diff(points.x))
     if slopes.max() > STEEPEST:
         k = int(np.argmax(slopes > STEEPEST))
+        cut_off = None if why else _enough(points, periodic)
+        remedy = "cut it where its ends are of one height" if why else "rescale it"
+        remedy = f"smooth it by cut_off={cut_off:g} (nm), or {remedy}" if cut_off else remedy
         reason = f"{why}slope {slopes[k]:.3g} from the point before, allowed: up to {STEEPEST:g}; {remedy}"
-        raise DataError(reason, int(points.line[k + 1]))
+        raise SteepError(reason, int(points.line[k + 1]), cut_off)
 
 
 def _joined(points):
@@ -311,8 +335,8 @@ def _joined(points):
     start, end = (np.clip(distance / reach, 0.0, 1.0) for distance in (x - x[0], x[-1] - x))
     joined = points._replace(z=z + 0.25 * step * (np.cos(np.pi * start) - np.cos(np.pi * end)))
     why = f"its ends, {abs(step):.4g} nm apart, joined over {reach:.4g} nm at each end: "
-    _reject_steep(joined, "cut it where its ends are of one height", why)
-    return joined, f"the ends, {abs(step):.4g} nm apart, were joined over {reach:.4g} nm at each end (a cosine)."
+    _reject_steep(joined, why=why)
+    return joined, f"The ends, {abs(step):.4g} nm apart, were joined over {reach:.4g} nm at each end (a cosine)."
 
 
 def _at_equal_distances(points):

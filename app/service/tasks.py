@@ -3,11 +3,10 @@
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import segno
@@ -25,11 +24,13 @@ from solver.analysis.toughness import toughness
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
+from solver.profile import LONG, SteepError, read_trace
 from solver.run import summary
 from solver.run.film import through
 from solver.run.loadpath import Checkpoint, Run, deadline
 
 LONGEST_FILE = 60.0  # s of work on a file
+READING, MEMORY = 10.0, 2**30  # s and bytes for a file of a visitor
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
 DRAWN = 400  # points of a drawn curve, about one per pixel
@@ -177,12 +178,46 @@ def slow_motion(scene: Scene, frame: int, state: Any = None) -> tuple[bytes, ...
     return packing.packed(scene, [(frame, 0.0) for frame in film], True) if film else "no branch ends here"
 
 
-def measured(text: str) -> tuple[Profile | None, str | None]:
-    """Return (the Profile in the text of a CSV, None), or (None, why the text is not usable)."""
+class Chosen(NamedTuple):
+    """What a visitor has chosen of a profile; lengths in nm. sure: whether he has seen it drawn."""
+
+    unit: str = ""
+    begin: float | None = None
+    end: float | None = None
+    cut_off: float | None = None
+    sure: bool = False
+
+
+def measured(content: bytes, chosen: Chosen) -> tuple[Profile | None, str | None, dict[str, Any] | None]:
+    """Return (the Profile in a file or None, why the file is not usable or None, the trace to ask about or None).
+
+    A visitor is asked about a file without a unit, a long trace, and steep places.
+    """
     try:
-        return read_profile(StringIO(text)), None  # as text: readers of instruments get no file of a visitor
+        with worker.bounded_memory(MEMORY):
+            trace = read_trace(content, chosen.unit or None)
+            long, drawn = np.ptp(trace.x) > LONG, _drawn(trace)
+            if not chosen.sure and (long or not trace.named):
+                return None, None, drawn
+            part = None if chosen.begin is None or chosen.end is None else (chosen.begin, chosen.end)
+            try:
+                return read_profile(content, unit=chosen.unit or None, part=part, cut_off=chosen.cut_off), None, None
+            except SteepError as error:
+                return None, str(error), drawn | {"cut_off": error.cut_off}
+            except DataError as error:
+                return None, str(error), drawn if chosen.sure else None
     except DataError as error:
-        return None, str(error)
+        return None, str(error), None
+    except MemoryError:
+        return None, "reading it takes too much memory; export it as CSV of x and z", None
+
+
+def _drawn(trace):
+    """A Trace thinned out to be drawn, with its extent in nm; where no unit is named, in that of the file."""
+    every = 1 + trace.x.size // DRAWN
+    x, z = trace.x - trace.x[0], trace.z - trace.z.min()
+    extent = {"length": float(x[-1]), "height": float(z.max()), "points": int(x.size)}
+    return {"x": x[::every].tolist(), "z": z[::every].tolist(), "named": bool(trace.named)} | extent
 
 
 def made_up_scene(scene: Scene, seed: int) -> Scene:

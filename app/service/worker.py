@@ -5,7 +5,7 @@ import pickle
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from queue import SimpleQueue
 from time import perf_counter
@@ -85,6 +85,25 @@ def warm_up() -> None:
         _, checkpoint = advance(small, checkpoint, 1.0)
     advance(Scene(), None, 0.1)
     transfer(np.ones(1), np.ones(1), 2.0, 1.0, small.nu)
+
+
+@contextmanager
+def bounded_memory(more: int) -> Iterator[None]:
+    """Let this process take so many bytes more than it has, where the system can: beyond, MemoryError is raised."""
+    try:
+        import resource
+
+        with open("/proc/self/statm") as file:
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        before = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (used + more, before[1]))
+    except (ImportError, OSError, ValueError):  # Windows, macOS; a lower limit is set already
+        yield
+        return
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 def ready() -> None:

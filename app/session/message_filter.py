@@ -192,7 +192,7 @@ def _orders(message):
     if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
         raise ValueError("a message that no page sends")
     events = message.content.get("events", ()) if message.msgtype == "PATCH-DOC" else ()
-    files = [buffer.to_bytes().decode("utf-8", "replace") for buffer in message.buffers]
+    files = [buffer.to_bytes() for buffer in message.buffers]
     given = [decoded(event["new"], files) for event in events if event.items() >= CHANGE.items()]
     if not all(isinstance(order, dict) for order in given):
         raise ValueError("an order without fields")
@@ -210,7 +210,7 @@ def is_change(message: Any) -> bool:
 
 
 def decoded(value: Any, files: Sequence[Any] = ()) -> Any:
-    """Return a value that BokehJS has encoded, from plain values, lists, objects and one file of `files`, a text."""
+    """Return a value that BokehJS has encoded, from plain values, lists, objects and one file of `files`, bytes."""
     if isinstance(value, list):
         return [decoded(each, files) for each in value]
     if not isinstance(value, dict):

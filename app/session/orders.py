@@ -47,7 +47,7 @@ def is_link(value: Any) -> bool:
 
 
 def is_content(value: Any) -> bool:
-    return isinstance(value, str)
+    return isinstance(value, bytes)
 
 
 def is_flag(value: Any) -> bool:

@@ -110,13 +110,27 @@ class Session:
             self.scene = scene
             self.pursuit.request(Request(scene, held, at, self.acknowledged))
 
-    @order("file", entry=orders.FILES.__contains__, text=orders.is_content)
-    def read_file(self, entry: str, text: str) -> None:
-        """Read the CSV of a profile, whose surface is then on screen."""
-        self.reading.ask((tasks.measured, text), self._read, private=True)
+    @order(
+        "file",
+        entry=orders.FILES.__contains__,
+        content=orders.is_content,
+        unit=orders.is_text,
+        sure=orders.is_flag,
+        **dict.fromkeys(("begin", "end", "cut_off"), orders.is_number),
+    )
+    def read_file(self, entry: str, content: bytes, **chosen: Any) -> None:
+        """Read the file of a profile, whose surface is then on screen; or draw it with a question.
+
+        chosen: what a visitor has chosen of it, see `tasks.Chosen`.
+        """
+        call = tasks.measured, content, tasks.Chosen(**chosen)
+        self.reading.ask(call, self._read, private=True, seconds=tasks.READING)
 
     def _read(self, made):
-        profile, why = made or (None, "it could not be read; try again")
+        profile, why, trace = made or (None, "it could not be read in time; thin it out", None)
+        self.send("trace", trace=trace, why=why and f"{why}.")
+        if trace is not None:
+            return self.publish()
         if profile is not None:  # sliders may have moved since
             try:
                 scene = controls.with_profile(self.scene, profile)

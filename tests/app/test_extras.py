@@ -1,5 +1,7 @@
 """Restoring and exporting scenes without a browser: addresses, profiles, pinned runs, files, Python code."""
 
+import sys
+
 import numpy as np
 import pytest
 from visitor import Page, messages, say
@@ -217,6 +219,16 @@ def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_live
 def test_an_uploaded_text_is_never_taken_for_the_name_of_a_file(tmp_path):
     file = tmp_path / "p.csv"
     file.write_text("U_x,F\n" + "".join(f"{k},{0.1 * (k % 2)}\n" for k in range(41)))
-    assert tasks.measured(file.read_text())[0] is not None
-    found, why = tasks.measured(str(file))
+    chosen = tasks.Chosen("nm", sure=True)
+    assert tasks.measured(file.read_bytes(), chosen)[0] is not None
+    found, why, _ = tasks.measured(str(file).encode(), chosen)
     assert found is None and why.startswith("line 1: ")
+
+
+def test_a_file_that_fills_the_memory_is_refused_by_a_worker_that_lives(monkeypatch):
+    if not sys.platform.startswith("linux"):
+        pytest.skip("the memory of a process is bounded on Linux only")
+    monkeypatch.setattr(tasks, "read_trace", lambda content, unit: np.ones(2 * tasks.MEMORY // 8))
+    found, why, _ = tasks.measured(b"", tasks.Chosen())
+    assert found is None and "takes too much memory" in why
+    assert np.ones(2 * tasks.MEMORY // 8).size  # the bound is gone

@@ -99,14 +99,14 @@ def test_an_order_reaches_the_session_once_whatever_else_the_message_contains(vi
 def test_a_file_arrives_as_bytes_with_its_order(visit):
     head = json.dumps({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 1})
     file = {"type": "bytes", "data": {"id": "b"}}
-    entries = [["do", "file"], ["n", 5], ["entry", "profile"], ["text", file]]
+    entries = [["do", "file"], ["n", 5], ["entry", "profile"], ["content", file]]
     content, table = json.dumps(visit.patch({"type": "map", "entries": entries})), b"x,z\n" * 100_000
     (given,) = visit.parts(head, "{}", content, '{"id": "b"}', table)
-    assert given == {"do": "file", "n": 5, "entry": "profile", "text": table.decode()}
-    fields = {"entry": "profile", "text": table.decode()}
+    assert given == {"do": "file", "n": 5, "entry": "profile", "content": table}
+    fields = {"entry": "profile", "content": table}
     assert orders.read(given, visit.session.orders) == (visit.session.read_file, fields)
     (given,) = visit.parts(head, "{}", content, '{"id": "b"}', table * 6)
-    assert given["text"] == ""  # too large: read as empty
+    assert given["content"] == b""  # too large: read as empty
     content = json.dumps(visit.patch({"type": "map", "entries": [[f"{k}", file] for k in range(250)]}))
     (given,) = visit.parts(head, "{}", content, '{"id": "b"}', table)
     assert len({id(text) for text in given.values()}) == 1  # a file named often takes memory once

@@ -1,7 +1,7 @@
 """Undo, redo, browser history, and addresses that restore scene, increment and page."""
 
 import pytest
-from served import FAULTS, PATIENCE, PLAYING, finished, from_menu, laid_out, values_are
+from served import FAULTS, PARABOLA, PATIENCE, PLAYING, finished, from_menu, laid_out, values_are
 
 pytestmark = [pytest.mark.thorough]
 
@@ -74,7 +74,7 @@ def test_undo_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
     from_menu(page, "#parameters")
-    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     page.set_input_files("#profile", tmp_path / "wave.csv")
     values_are(page, surface="measured")
     curve = page.evaluate("punch.run.curves.F_bar")

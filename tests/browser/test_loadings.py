@@ -5,7 +5,7 @@ import io
 import re
 
 import pytest
-from served import PATIENCE, finished, from_menu, paused_at
+from served import PARABOLA, PATIENCE, finished, from_menu, paused_at
 
 pytestmark = [pytest.mark.thorough]
 AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
@@ -110,7 +110,7 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
 
 
 @pytest.mark.thorough
-def test_an_uploaded_profile_is_used_and_an_invalid_one_keeps_the_run(look, tmp_path):
+def test_an_uploaded_profile_is_used_once_its_unit_is_known_and_an_invalid_one_keeps_the_run(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)
     from_menu(page, "#parameters")
@@ -120,8 +120,13 @@ def test_an_uploaded_profile_is_used_and_an_invalid_one_keeps_the_run(look, tmp_
         "() => document.getElementById('profile-error').textContent.includes('line 3')", timeout=PATIENCE
     )
     assert page.evaluate("punch.run.number - before") == 1
-    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    (tmp_path / "wave.csv").write_text(PARABOLA)
     page.set_input_files("#profile", tmp_path / "wave.csv")
+    page.get_by_role("radio", name="nm: 500 nm long, 6.25 nm high").wait_for()
+    page.get_by_role("radio", name="µm: 500 µm long, 6.25 µm high").check()
+    assert page.inner_text("#trace-says").startswith("The file names no unit. Choose the one that is right: 500 µm of")
+    page.get_by_role("radio", name="nm: 500 nm long").check()
+    page.get_by_role("button", name="Use it").click()
     finished(page, run=2)
     assert (
         page.evaluate("punch.status.values.surface") == "measured" and page.evaluate("punch.status.values.width") == 500

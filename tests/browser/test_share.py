@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 from PIL import Image
-from served import PATIENCE, Server, finished, from_menu, laid_out, patient
+from served import PARABOLA, PATIENCE, Server, finished, from_menu, laid_out, patient
 
 from solver.cli import main as command_line
 
@@ -185,7 +185,7 @@ def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
 def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)
-    (tmp_path / "wave.csv").write_text("\n".join(f"{x},{0.0001 * (x - 250) ** 2}" for x in range(0, 501, 5)))
+    (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     from_menu(page, "#parameters")
     page.set_input_files("#profile", tmp_path / "wave.csv")
     finished(page, run=2)

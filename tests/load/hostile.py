@@ -40,7 +40,7 @@ ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 
 FITTING = {  # by the test of a field: values of which some pass
     orders.is_text: ["law", "load", "sweep", "cancel", "clear"],
     orders.is_link: ["x" * 1200, "E,phi_ratio"],
-    orders.is_content: ["x,z\n1,2\n"],
+    orders.is_content: [b"x,z\n1,2\n"],
     orders.is_number: [0.5, 1, 60, 300.0],
     orders.is_whole: [1, 5, 1_000_001],
     orders.is_flag: [True, False],

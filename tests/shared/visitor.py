@@ -46,8 +46,8 @@ class Page:
     def order(self, what, **values):
         order(self.session, what, n=time.monotonic(), **values)
 
-    def file(self, entry, text):
-        send_file(self.session, entry, text)
+    def file(self, entry, text, **chosen):
+        send_file(self.session, entry, text, **chosen)
 
     def status(self):
         return self.session.status
@@ -132,9 +132,9 @@ def say(session, order):
     session.obey(json.loads(order) if isinstance(order, str) else order)
 
 
-def send_file(session, entry, text):
-    """Give an order that brings a file."""
-    order(session, "file", entry=entry, text=text)
+def send_file(session, entry, text, **chosen):
+    """Give an order that brings a file with this text, and what is chosen of it."""
+    order(session, "file", entry=entry, content=text.encode(), **chosen)
 
 
 def order(session, what, /, n=1, **values):

@@ -99,7 +99,7 @@ def test_a_steep_profile_names_a_cut_off_that_then_works():
         read_profile(text)
     cut_off = float(str(refused.value).split("cut_off=")[1].split(" ")[0])
     profile = read_profile(text, cut_off=cut_off)
-    assert any(note.startswith(f"a Gaussian filter with a cut-off of {cut_off:g} nm changed") for note in profile.notes)
+    assert any(note.startswith(f"A Gaussian filter with a cut-off of {cut_off:g} nm changed") for note in profile.notes)
     with pytest.raises(DataError, match=r"^cut_off = 1: allowed: 5 .. 498.8 nm"):
         read_profile(text, cut_off=1.0)
     assert least_cut_off(1e3 * np.arange(50) % 7e3, 1.0, 0.3) is None

@@ -106,7 +106,7 @@ def test_a_file_in_utf_16_is_read_by_the_names_of_its_columns():
     rows = "".join(f"{k},{x / 1000.0:.9g},{z / 1000.0:.9g}\n" for k, (x, z) in enumerate(zip(X, HILLS, strict=True)))
     profile = read_profile(f"index,x in µm,y in µm\n{rows}".encode("utf-16"))
     assert profile.length == pytest.approx(640.0) and np.ptp(profile.z) == pytest.approx(8.0)
-    assert "not used: index." in profile.notes
+    assert "Not used: index." in profile.notes
 
 
 def test_a_file_in_latin_1_is_read():
@@ -120,7 +120,7 @@ def test_further_columns_are_ignored_and_reported(heading):
     third = [f"1,{a},{b}" if heading.startswith("quality") else f"{a},{b},1" for a, b in rows]
     read = read_profile(heading + "\n".join(third))
     assert read.z.tolist() == read_profile(table(X, HILLS)).z.tolist()
-    assert read.notes[1] == f"not used: {'quality' if heading else 'column 3'}."
+    assert read.notes[1] == f"Not used: {'quality' if heading else 'column 3'}."
 
 
 def test_a_periodic_profile_at_equal_distances_is_kept_as_it_is():
@@ -143,8 +143,8 @@ def test_tilt_and_offset_are_removed_and_reported():
 def test_ends_that_do_not_meet_are_joined_near_the_ends_only_and_reported():
     z = 3.0 * np.sin(np.pi * 1.5 * X / 640.0)
     profile = read_profile(table(X, z))
-    assert any(re.search(r"the ends, \d\.\d+ nm apart, were joined over 32 nm", note) for note in profile.notes)
-    shift = float(re.search(r"shifted by ([\d.]+) nm", profile.notes[-1])[1])
+    assert any(re.search(r"The ends, \d\.\d+ nm apart, were joined over 32 nm", note) for note in profile.notes)
+    shift = float(re.search(r"Shifted by ([\d.]+) nm", profile.notes[-1])[1])
     heights = np.roll(profile.z, round(shift / 2.5))
     inside = (X[:-1] > 32.0) & (X[:-1] < 608.0)
     # within, heights are those of the file less one straight line
@@ -192,7 +192,7 @@ def test_thinning_out_does_not_turn_short_waves_into_long_ones():
 def test_a_width_selects_the_middle_of_a_profile():
     profile = read_profile(table(X, HILLS), width=320.0)
     assert profile.length == 320.0
-    assert any("of 640 nm the 320 nm in the middle are used" in note for note in profile.notes)
+    assert any("Of 640 nm the 320 nm in the middle are used" in note for note in profile.notes)
     assert np.ptp(shown(profile)) == pytest.approx(8.0, rel=1e-3)
 
 

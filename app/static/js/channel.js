@@ -46,13 +46,13 @@ export function heard(n) {
 // Ask the page that is open for something
 export const ask = (values) => order("ask", values)
 
-// What is chosen as a file goes to the server; refuse(why) where it is too large
-export function sendFile(id, refuse) {
+// What is chosen as a file is passed to read(content); refuse(why) where it is too large
+export function sendFile(id, refuse, read) {
   on(id, "click", () => { by(id).value = "" }) // so that the same file can be chosen again
   on(id, "change", async ({ target: { files: [file] } }) => {
     if (!file) return
     const size = (file.size / 1e6).toFixed(1)
     if (file.size > LARGEST) refuse(`${id}: ${file.name} has ${size} MB, allowed: 2 MB; thin it out.`)
-    else order("file", { entry: id, text: await file.arrayBuffer() })
+    else read(await file.arrayBuffer())
   })
 }

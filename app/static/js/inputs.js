@@ -138,7 +138,8 @@ export function connect() {
     })
   }
   on("row", "change", ({ target }) => choosePreset(target.value))
-  sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`))
+  sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`),
+    async (content) => (await import("./later/trace.js")).read(content))
   on("parameters", "click", async () => (await import("./drawer.js")).openDrawer())
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
