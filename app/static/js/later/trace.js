@@ -1,5 +1,5 @@
-// The profile in a file as measured, and what the server asks about it: the unit where none is named, the part of a long
-// trace, and a filter for steep places. Loaded with the first file.
+// The profile in a file as measured, and what the server asks about it: the unit where none is named, the part of a
+// long trace, and a filter for steep places. Loaded with the first file.
 
 import { order, take } from "../channel.js"
 import { by, make, makeShape, on, say } from "../dom.js"
@@ -67,7 +67,8 @@ function tell() {
   by("trace-use").disabled = size <= 0
   const across = (x) => (WIDE * x) / trace.length, up = (z) => HIGH * (0.95 - (0.9 * z) / (trace.height || 1))
   const line = trace.x.map((x, k) => `${across(x).toFixed(1)},${up(trace.z[k]).toFixed(1)}`).join(" ")
-  const part = { x: across(begin / unit()), width: Math.max(0, across(size / unit())), y: 0, height: HIGH, class: "part" }
+  const width = Math.max(0, across(size / unit()))
+  const part = { x: across(begin / unit()), width, y: 0, height: HIGH, class: "part" }
   by("trace").querySelector("svg").replaceChildren(
     makeShape("rect", part), makeShape("polyline", { points: line, "vector-effect": "non-scaling-stroke" }))
 }
