@@ -7,13 +7,14 @@ Source: ISO 16610-21:2011, Geometrical product specifications, Filtration, Linea
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 ALPHA = (np.log(2.0) / np.pi) ** 0.5
 
 
 def smoothed(z: NDArray[np.float64], spacing: float, cut_off: float, periodic: bool = False) -> NDArray[np.float64]:
     """Heights z (n,) at distances of `spacing`, filtered; cut_off and spacing in one unit."""
+    from scipy.ndimage import gaussian_filter1d  # a tenth of the time that importing `solver` takes
+
     sigma = ALPHA * cut_off / (2.0 * np.pi) ** 0.5 / spacing
     if periodic:
         return gaussian_filter1d(z, sigma, mode="wrap", truncate=6.0)
