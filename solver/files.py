@@ -15,6 +15,7 @@ import numpy as np
 
 from . import __version__
 from .cautions import cautions_of
+from .continuation.state import Outcome
 from .run.frame import Frame
 from .run.summary import curves_of, fields_of, left_out, summarize
 from .scene import Scene
@@ -62,11 +63,16 @@ def write_json(file: str | PathLike, report: dict[str, Any]) -> None:
 
 
 def report_of(
-    scene: Scene, frames: Sequence[Frame], method: str, seconds: float, failure: str | None
+    scene: Scene,
+    frames: Sequence[Frame],
+    method: str,
+    seconds: float,
+    failure: str | None,
+    outcome: Outcome = Outcome.FINISHED,
 ) -> dict[str, Any]:
     """What --json writes beside the version: scene, method and summary."""
     report = {"method": method, "scene": asdict(scene)}
-    ended = {"seconds": seconds, "failure": failure, "left_out": left_out(frames)}
+    ended = {"seconds": seconds, "outcome": str(outcome), "failure": failure, "left_out": left_out(frames)}
     return report | summarize(frames) | {"cautions": cautions_of(scene, frames)} | ended
 
 

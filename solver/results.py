@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from . import plots
 from .cautions import cautions_of
-from .continuation.state import NotConverged
+from .continuation.state import SENTENCES, NotConverged, Outcome
 from .following.from_run import skeleton_from, skeleton_of
 from .following.skeleton import Skeleton
 from .run.frame import Frame, SlipEvent
@@ -35,7 +35,6 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
     from .analysis.interior import Stress
 
 FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
-PARTED = "pulled off"  # in the reason of a run that ends so under a held load
 
 
 class FirstSlip(NamedTuple):
@@ -58,7 +57,7 @@ class PullOff(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """A run of one scene: its Frames, why it ended early, if it did, and the Checkpoint at its end.
+    """A run of one scene: its Frames, its Outcome, why it failed, if it did, and the Checkpoint at its end.
 
     Example: `simulate(Scene()).slips`
     """
@@ -67,6 +66,7 @@ class Result:
     frames: Sequence[Frame]
     failure: str | None = None
     checkpoint: Checkpoint | None = None
+    outcome: Outcome = Outcome.FINISHED
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -117,7 +117,7 @@ class Result:
                 if kind_of(frame, event) == "pull-off":
                     values = values_of(frame, event, least)
                     return PullOff(*slip_at(frame, event), values["F"], values["L"])
-        if self.frames and PARTED in (self.failure or ""):
+        if self.frames and self.outcome is Outcome.PULLED_OFF:
             last = self.frames[-1]
             return PullOff(last.U_x, last.delta, last.F, last.L)
         return None
@@ -199,8 +199,18 @@ class Result:
     def _notes(self) -> list[str]:
         """What limits the result: the failure, cautions, and what was done to a measured profile."""
         profile = self.scene.measured.notes if self.scene.measured else ()
-        failed = [self.failure] if self.failure else []
+        failed = [each for each in (self.failure, self.parted) if each]
         return [*failed, *(f"Caution: {each}" for each in self.cautions), *(f"Profile: {note}" for note in profile)]
+
+    @property
+    def parted(self) -> str:
+        """Where the contact pulled off under its held load, as a sentence; "" where it did not."""
+        if self.outcome is not Outcome.PULLED_OFF:
+            return ""
+        if (end := self.pull_off) is None:
+            return SENTENCES[Outcome.PULLED_OFF]
+        where = f"U_x = {end.U_x:.4g} nm, delta = {end.delta:.4g} nm"
+        return f"Pulled off at {where}, under the held load L = {end.L:.4g} N/m, with F = {end.F:.4g} N/m."
 
     @property
     def _lines(self) -> list[str]:
@@ -226,8 +236,8 @@ def simulate(scene: Scene | None = None, progress: bool = False, load: float | N
 
     Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error; load: the normal
     load (N/m) to hold during the shear, in place of delta_bar and hold. `result.scene` has the indentation found.
-    Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, and `failure` has the
-    reason and a remedy.
+    Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, `outcome` says how, and
+    `failure` has the reason and a remedy. A contact that pulls off under its held load is no failure: see `pull_off`.
     Raises SceneError for a load that the approach does not reach.
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
@@ -235,13 +245,18 @@ def simulate(scene: Scene | None = None, progress: bool = False, load: float | N
     scene = scene or Scene()
     if load is not None:
         scene = held_at(scene, load)
-    frames, checkpoint, failure, path = list[Frame](), None, None, Run(scene).frames()
+    frames, checkpoint, path = list[Frame](), None, Run(scene).frames()
     try:
         for frame, checkpoint in with_progress(scene, path) if progress else path:  # noqa: B007  the last one counts
             frames.append(frame)
     except NotConverged as error:
-        failure = str(error)
-    return Result(scene, frames, failure, checkpoint)
+        return ended(scene, frames, error, checkpoint)
+    return Result(scene, frames, None, checkpoint)
+
+
+def ended(scene: Scene, frames: Sequence[Frame], by: NotConverged, checkpoint: Checkpoint | None = None) -> Result:
+    """The Result of a run that ended early."""
+    return Result(scene, frames, None if by.outcome.reached else str(by), checkpoint, by.outcome)
 
 
 @one_thread()
@@ -251,7 +266,7 @@ def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
     try:
         frames.extend(path)
     except NotConverged as failure:
-        return frames, str(failure)
+        return frames, None if failure.outcome.reached else str(failure)
     return frames, None
 
 

@@ -63,5 +63,5 @@ def row_of(scene: Scene) -> dict[str, Any]:
     try:
         found = first_slip(load_path(scene))
     except NotConverged as failure:
-        return {"outcome": str(failure)}
+        return {"outcome": str(failure.outcome) if failure.outcome.reached else str(failure)}
     return dict(zip(FIRST, first_of(*found), strict=True)) | {"outcome": "slips"} if found else {"outcome": "no slip"}

@@ -19,6 +19,7 @@ from app.service.packing import Frames, packed
 from solver import NotFollowed, Scene, advance, skeleton_from
 from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
+from solver.continuation.state import Outcome
 from solver.run.frame import largest_overlap, largest_safe_damping
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import in_time
@@ -123,8 +124,9 @@ def compute(
     checkpoint, last, heavy = pickle.loads(state) if state else (None, None, False)
     limit = limit if limit is not None else SLOW if heavy else QUICK
     frames, checkpoint = _advanced(scene, checkpoint, begun, budget, limit)
-    heavy = checkpoint.late or (limit >= SLOW and _slow(begun, budget))
-    if checkpoint.late and limit < SLOW:
+    late = checkpoint.outcome is Outcome.OUT_OF_TIME
+    heavy = late or (limit >= SLOW and _slow(begun, budget))
+    if late and limit < SLOW:
         checkpoint = in_time(checkpoint)
     works, last = _works(scene, frames, last)
     made = Frames(

@@ -10,7 +10,7 @@ from typing import Any
 from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
 from ..files import report_of, write_csv, write_json, write_npz
-from ..results import Result, with_progress
+from ..results import Result, ended, with_progress
 from ..run.held_load import held_at
 from ..text import counted
 from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_plot, caution, write
@@ -49,11 +49,11 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     start = perf_counter()
     result, interrupted = compute(scene, arguments.method)
     frames, failure = result.frames, result.failure
-    report = report_of(scene, frames, arguments.method, perf_counter() - start, failure)
+    report = report_of(scene, frames, arguments.method, perf_counter() - start, failure, result.outcome)
     caution(sentence for sentence in report["cautions"] if sentence not in before)
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
-    print(described(report, len(frames)))
+    print(described(report, len(frames), result.parted))
     write(arguments.csv, write_csv, frames)
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
@@ -70,15 +70,15 @@ def compute(scene: Scene, method: str) -> tuple[Result, bool]:
         for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
             frames.append(frame)
     except NotConverged as error:
-        return Result(scene, frames, str(error)), False
+        return ended(scene, frames, error), False
     except KeyboardInterrupt:
         position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
         return Result(scene, frames, f"Interrupted {position}; run again to finish"), True
     return Result(scene, frames), False
 
 
-def described(report: dict[str, Any], increments: int) -> str:
-    """The summary in three lines."""
+def described(report: dict[str, Any], increments: int, parted: str = "") -> str:
+    """The summary in three lines; parted: where the contact pulled off under its held load."""
 
     def shown(name, key, unit):
         return f"{name} = " + ("none" if report[key] is None else f"{report[key]:.4g} {unit}")
@@ -90,9 +90,12 @@ def described(report: dict[str, Any], increments: int) -> str:
     elif report["slips"]:
         first = "none along U_x"
     else:
-        first = "the run ended early" if report["failure"] else "the contact sticks or slides smoothly"
+        first = (
+            "" if parted else "the run ended early" if report["failure"] else "the contact sticks or slides smoothly"
+        )
     state = "converged" if report["converged"] else "NOT converged"
     cost = f"{report['evaluations']} force evaluations, {report['seconds']:.3g} s"
     lines = [f"{report['method']}: {increments} increments, {state}, {cost}"]
     lines += [f"contact area at U_x = 0: {shown('A_0', 'A_0', 'nm')}"]
+    first = "; ".join(filter(None, [first, parted and f"{parted[0].lower()}{parted[1:].rstrip('.')}"]))
     return "\n".join([*lines, f"{counted(report['slips'], 'slip')}; {first}"])

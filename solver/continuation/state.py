@@ -1,5 +1,6 @@
 """The state of a run: an equilibrium with what the next increment may use; slips; and how increments fail."""
 
+from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -18,24 +19,61 @@ SHARP = 1e-9  # units, error of the load at the end of a branch: the accuracy as
 MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
 
 
+class Outcome(StrEnum):
+    """How a run ends; each has a sentence in `SENTENCES`."""
+
+    FINISHED = "finished"
+    PULLED_OFF = "pulled off"
+    RESTLESS = "restless"
+    OUT_OF_TIME = "out of time"
+    LOST = "lost"
+
+    @property
+    def reached(self) -> bool:
+        """Whether all that the path has of equilibria was computed."""
+        return self in (Outcome.FINISHED, Outcome.PULLED_OFF)
+
+
+SENTENCES = {
+    Outcome.FINISHED: "The run reached the end of its path.",
+    Outcome.PULLED_OFF: "The contact pulled off under its held load: there is no equilibrium beyond.",
+    Outcome.RESTLESS: "A motion did not come to rest.",
+    Outcome.OUT_OF_TIME: "An increment took longer than its limit of time.",
+    Outcome.LOST: "No equilibrium was found within the tolerance.",
+}
+
+
 class NotConverged(RuntimeError):
-    """An increment ended without an equilibrium; the message gives the load, the residual and a remedy."""
+    """An increment ended without an equilibrium; the message gives the load, the residual and a remedy.
+
+    outcome: the Outcome of the run that ends so.
+    """
+
+    outcome = Outcome.LOST
 
 
 class Restless(NotConverged):
     """A transient does not come to rest; smaller increments would not change that."""
 
+    outcome = Outcome.RESTLESS
+
 
 class Moving(NotConverged):
     """A transient still moves after the most steps: it may be slow, or never come to rest."""
+
+    outcome = Outcome.RESTLESS
 
 
 class OutOfTime(NotConverged):
     """An increment took longer than its limit of time."""
 
+    outcome = Outcome.OUT_OF_TIME
+
 
 class PulledOff(NotConverged):
     """Under a held load the contact came apart in a slip: the end of the run."""
+
+    outcome = Outcome.PULLED_OFF
 
 
 class Point(NamedTuple):

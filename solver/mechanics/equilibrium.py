@@ -93,11 +93,9 @@ class Equilibrium:
     def hold(self, v, s) -> None:
         """Raise PulledOff if a held load is tensile and no node is as near as where the approach begins."""
         if self.held and self.pressure < 0.0 and self.contact.distance(self.surface(v)) > self.contact.scene.delta_0:
-            raise PulledOff(
-                f"The contact has pulled off at U_x = {round(self.loading.at(s)[0], 6) + 0.0:g} nm: the motion that"
-                f" began there under the held load L_bar = {self.pressure / self.contact.scene.E:.4g} led away from the"
-                " surface; hold delta instead, or press harder"
-            )
+            U_x, L = round(self.loading.at(s)[0], 6) + 0.0, self.pressure * self.contact.scene.width
+            where = f"The contact has pulled off at U_x = {U_x:g} nm under the held load L = {L:.4g} N/m"
+            raise PulledOff(f"{where}: the motion that began there led away from the surface")
 
     def sites(self, v, w) -> float:
         """By how many sites of the lattice the node that moves farthest along it lies elsewhere in w than in v."""

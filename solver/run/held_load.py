@@ -2,41 +2,58 @@
 
 from dataclasses import replace
 
-from scipy.optimize import brentq
+import numpy as np
 
-from ..scene import LIMITS, Scene, SceneError
+from ..continuation.corrector import Corrector
+from ..mechanics.equilibrium import Equilibrium
+from ..scene import LARGEST_RUN, LIMITS, Scene, SceneError
 from ..schema import as_number
-from .loadpath import load_path
+from .load_steps import sideways
+from .loadpath import Checkpoint, Run
+
+OFF = 1e-6  # nm beyond the increment in which the load is reached: what the tolerance leaves
 
 
 def held_at(scene: Scene, load: float) -> Scene:
     """The Scene that holds a normal load (N/m) during the shear: hold 'load', at the indentation that reaches it.
 
     The load falls below zero as the surfaces attract each other, and rises as they are pressed together. The
-    indentation is that of the first rise to `load`. Raises SceneError where the approach does not reach it.
+    indentation is that of the first rise to `load`: from the states of the increment in which it lies, the height of
+    the top is solved for under that load. Raises SceneError where the approach does not reach it.
     """
     wanted = as_number(load)
     if not abs(wanted) < float("inf"):
         raise SceneError("load", load, "allowed: a finite number of N/m, negative for a pull", "give such a number")
-    most = min(LIMITS["delta_bar"].high, 0.999 * scene.height * scene.width / scene.delta_0)
+    longest = LARGEST_RUN * scene.du_z * scene.delta_n / scene.delta_0 - 1.0
+    most = min(LIMITS["delta_bar"].high, 0.999 * scene.height * scene.width / scene.delta_0, longest)
     # `hold` and drive_n are checked by the last line
-    approach, before, least, frame = replace(scene, path="shear", hold="delta", u_x_max=0.0), None, 0.0, None
-    for frame in load_path(approach.changed(delta_bar=most)):
+    run = Run(replace(scene, path="shear", hold="delta", u_x_max=0.0).changed(delta_bar=most))
+    checkpoint, before, least = Checkpoint(), None, 0.0
+    while True:
+        frame, after = run.next_frame(checkpoint)
         if before is not None and before.L < wanted <= frame.L:
             break
-        before, least = frame, min(least, frame.L)
-    else:
-        allowed = f"allowed: {least:.4g} .. {before.L:.4g} N/m, what the approach reaches" if before else "no approach"
-        raise SceneError("load", load, allowed, "give a load in that range, or a thicker layer")
-    ends = before.delta / scene.delta_0, frame.delta / scene.delta_0
-
-    def off(delta_bar):
-        *_, last = (each for each in load_path(approach.changed(delta_bar=delta_bar)) if each.stage == "approach")
-        return last.L - wanted
-
-    # over 1e-9 of delta_0 the load changes by some 1e-7 N/m, unless it jumps over the one asked for
-    delta_bar = brentq(off, *ends, xtol=1e-9)
-    if abs(off(delta_bar)) > 1e-6 * max(1.0, abs(wanted)):
-        jump = f"the approach jumps from {before.L:.4g} to {frame.L:.4g} N/m at delta_bar = {delta_bar:.4g}"
+        if after.done or after.stage != "approach":
+            allowed = f"allowed: {least:.4g} .. {frame.L:.4g} N/m, what the approach reaches"
+            raise SceneError("load", load, allowed, "give a load in that range, or a thicker layer")
+        before, checkpoint, least = frame, after, min(least, frame.L)
+    delta = _under(run, before, frame, wanted)
+    if delta is None:
+        place = f"delta_bar = {frame.delta / scene.delta_0:.4g}"
+        jump = f"the approach jumps from {before.L:.4g} to {frame.L:.4g} N/m at {place}"
         raise SceneError("load", load, jump, "give a load outside that jump")
-    return scene.changed(delta_bar=delta_bar, hold="load")
+    return scene.changed(delta_bar=delta / scene.delta_0, hold="load")
+
+
+def _under(run, before, frame, wanted):
+    """The indentation, nm, between those of two Frames of the approach, at a load, N/m; None where it jumps over it."""
+    problem = Equilibrium(run.stepper.problem.contact, sideways(1.0, 0.0), wanted / run.scene.width)
+    part = (wanted - before.L) / (frame.L - before.L)
+    # a slip in between may leave the load to the branch before it, or to the one after
+    for share in (part,) if not frame.slips else (0.0, 1.0):
+        u, delta = (a + share * (b - a) for a, b in ((before.u, frame.u), (before.delta, frame.delta)))
+        corrector = Corrector(problem)
+        solution = corrector.solve(np.append(u.ravel(), -delta), 0.0, corrector.secants())
+        if solution is not None and before.delta - OFF <= -solution.v[-1] <= frame.delta + OFF:
+            return float(-solution.v[-1])
+    return None

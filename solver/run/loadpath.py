@@ -12,7 +12,7 @@ from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import advanced
 from ..continuation.rest import RestOptions
-from ..continuation.state import Moving, NotConverged, OutOfTime, PulledOff, Restless, State
+from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, Restless, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.surface import closed_stiffness
@@ -44,7 +44,7 @@ class Checkpoint(NamedTuple):
     trace: Trace | None = None  # what the stage has passed, and the ends of the one before
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
-    late: bool = False  # whether only the time limit ended it: see `slices.in_time`
+    outcome: Outcome = Outcome.FINISHED  # of the run, once done
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
 
@@ -214,10 +214,12 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
     elif not fast:
         remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
     # the law has no potential, so that it may feed an oscillation
-    if scene.damping < 1.0 and isinstance(failure, Restless | Moving):
+    if scene.damping < 1.0 and failure.outcome is Outcome.RESTLESS:
         remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
-    return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
+    told = kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
+    told.outcome = failure.outcome
+    return told
 
 
 def _turned(problem, state, was_held, following):

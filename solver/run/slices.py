@@ -6,7 +6,7 @@ from threading import local
 from time import perf_counter
 from typing import Any
 
-from ..continuation.state import NotConverged, OutOfTime
+from ..continuation.state import NotConverged, Outcome
 from ..scene import Scene
 from .frame import Frame
 from .loadpath import ALL, Checkpoint, Run
@@ -25,7 +25,7 @@ def advance(
     Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
     method: a name in METHODS; leave_out: as of `load_path`; limit: processor time of an increment.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
-    checkpoint.failure names the load and a remedy.
+    checkpoint.outcome says how, and checkpoint.failure names the load and a remedy.
     Raises ValueError for a method that is not in METHODS.
 
     Example: `frames, checkpoint = advance(Scene())`
@@ -40,13 +40,13 @@ def advance(
             if perf_counter() > end:
                 break
     except NotConverged as failure:
-        checkpoint = checkpoint._replace(done=True, failure=str(failure), late=isinstance(failure, OutOfTime))
+        checkpoint = checkpoint._replace(done=True, failure=str(failure), outcome=failure.outcome)
     return frames, checkpoint
 
 
 def in_time(checkpoint) -> Checkpoint:
-    """The Checkpoint before the increment that ran out of time, from one with `late` set."""
-    return checkpoint._replace(done=False, failure=None, late=False)
+    """The Checkpoint before the increment that ran out of time, which ended it."""
+    return checkpoint._replace(done=False, failure=None, outcome=Outcome.FINISHED)
 
 
 _kept = local()  # of each thread: its last Run, whose buffers are expensive to make, and the arguments of that Run

@@ -190,7 +190,10 @@ def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
         (("path=points", "points=0,-1;0,.2;0,.1"), "0 slips; least load of the retraction: L = "),
         (("path=points", "points=0,-1;0,.2;0,.3"), "0 slips; the contact sticks or slides smoothly"),
         (("path=points", "points=0,-1;0,-.9;0,.3", "E=5"), "1 slip; none along U_x"),
-        (("delta_bar=-.1", "hold=load", "width=312.5", "nodes=128", "radius=20"), "0 slips; the run ended early"),
+        (
+            ("delta_bar=-.1", "hold=load", "width=312.5", "nodes=128", "radius=20"),
+            "0 slips; pulled off at U_x = 2.2 nm, delta = ",
+        ),
     ],
 )
 def test_the_last_line_names_the_first_slip_of_any_stage_or_why_there_is_none(call, settings, last):

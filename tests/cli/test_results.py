@@ -142,13 +142,13 @@ def test_notes_on_a_profile_reach_python():
     assert f"Profile: {profile.notes[0]}" in repr(simulate(scene))
 
 
-def test_a_run_that_fails_keeps_what_it_has_and_names_a_remedy():
+def test_a_pull_off_under_a_held_load_is_an_end_with_its_place_and_force():
     lifted = simulate(SMALL.changed(hold="load", delta_bar=-0.1))
-    assert "pulled off" in lifted.failure and "press harder" in lifted.failure
+    assert (lifted.outcome, lifted.failure) == ("pulled off", None)
     last = lifted.frames[-1]
     assert lifted.pull_off == (last.U_x, last.delta, last.F, last.L) and last.L < 0.0
-    assert len(lifted.table) > 0 and lifted.failure in lifted._repr_html_()
-    assert "pulled off" in sweep(SMALL.changed(hold="load"), delta_bar=[-0.1])["outcome"][0]
+    assert len(lifted.table) > 0 and f"under the held load L = {last.L:.4g} N/m" in lifted._repr_html_()
+    assert sweep(SMALL.changed(hold="load"), delta_bar=[-0.1])["outcome"][0] == "pulled off"
 
 
 def test_a_sweep_has_the_first_slip_of_every_combination_in_order():

@@ -465,3 +465,11 @@ def test_a_checkpoint_after_2000_increments_is_small():
 def test_loads_of_slips_are_plain_numbers(skeleton):
     """As in a run's SlipEvents: they are printed and written to JSON."""
     assert {type(event.load) for event in skeleton.slips} == {float}
+
+
+def test_a_followed_run_ends_in_the_fold_of_its_exact_run_where_two_states_have_almost_one_load():
+    """There a false bifurcation, 0.019 nm before the fold, once ended the exact run."""
+    scene = Scene(E=34.62384505293423, delta_bar=0.3)
+    followed = follow(skeleton_of(scene.changed(E=30.0)), scene).slips[0]
+    exact = next(event for frame in load_path(scene) for event in frame.slips if event.stage == "shear")
+    assert (followed.kind, exact.kind) == ("fold", "fold") and followed.load == pytest.approx(exact.load, abs=1e-4)

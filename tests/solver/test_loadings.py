@@ -11,6 +11,7 @@ from spectrum import growth
 from solver import NotConverged, Scene, SceneError, advance, load_path, simulate
 from solver.mechanics.cohesive_law import traction
 from solver.mechanics.layer import Modes
+from solver.run.held_load import held_at
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import ALL, Checkpoint, Run
 
@@ -326,7 +327,7 @@ def test_too_large_a_tension_detaches_the_contact_and_is_reported(method):
     with pytest.raises(NotConverged) as caught:
         frames.extend(load_path(scene, method))
     assert "has pulled off at U_x = " in str(caught.value) and "led away from the surface" in str(caught.value)
-    assert "hold delta instead, or press harder" in str(caught.value)
+    assert "under the held load L = -" in str(caught.value) and caught.value.outcome == "pulled off"
     checkpoint, frames = None, []
     while checkpoint is None or not checkpoint.done:
         more, checkpoint = advance(scene, checkpoint, method=method)
@@ -380,3 +381,19 @@ def test_a_run_that_is_cancelled_goes_on_from_its_checkpoint_as_if_it_had_not_be
         checkpoint = after
     exact = list(load_path(scene))
     assert cancelled and all(same(a, b, 1e-9) for a, b in zip(frames, exact, strict=True))
+
+
+@pytest.mark.parametrize("load", [10.0, -20.0])
+def test_a_held_load_is_found_by_one_solve_whatever_the_increment(load):
+    """The approach to the indentation found reaches the load, also with so short an increment that it ends early."""
+    for du_z in (0.5, 0.02):
+        scene = held_at(SMALL.changed(du_z=du_z), load)
+        approach = load_path(scene.changed(hold="delta", u_x_max=0.0))
+        *_, last = (frame for frame in approach if frame.stage == "approach")
+        assert pytest.approx(load, abs=1e-5) == last.L
+
+
+def test_a_held_load_of_the_shortest_increments_is_found():
+    """The deepest approach would take a million of them."""
+    scene = SMALL.changed(du_z=1e-3, E=300.0)
+    assert held_at(scene, -1.0).delta_bar < 1.0

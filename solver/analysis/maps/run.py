@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from ...continuation.state import NotConverged, PulledOff
+from ...continuation.state import NotConverged, Outcome
 from ...following.from_run import skeleton_from
 from ...following.moved import NotFollowed
 from ...following.skeleton import Skeleton
@@ -40,7 +40,7 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
                 if skeleton is not None:
                     break
     except NotConverged as failure:
-        reason, off = str(failure), isinstance(failure, PulledOff)
+        reason, off = str(failure), failure.outcome is Outcome.PULLED_OFF
     sheared = [f for f in frames if f.stage == "shear"]
     if skeleton is None and sheared and touches(sheared[0]):
         skeleton = _skeleton(scene, checkpoint)
