@@ -25,8 +25,11 @@ def frozen(doc: Document) -> AbstractContextManager[None]:
 
 def later(doc: Document, call: Callable[[], object]) -> None:
     """Make a call under the lock of a document; any thread may call this. A destroyed document makes no call."""
+    # a destroyed document has lost them. An error in Bokeh would leave it as the current one of this process
+    if not hasattr(doc.callbacks, "_change_callbacks"):
+        return
     try:
         doc.add_next_tick_callback(on_loop(call))
-    except AttributeError:
-        if hasattr(doc.callbacks, "_change_callbacks"):  # a destroyed document has lost them
+    except AttributeError:  # destroyed meanwhile, by another thread
+        if hasattr(doc.callbacks, "_change_callbacks"):
             raise

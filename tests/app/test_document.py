@@ -2,6 +2,7 @@
 
 from bokeh.document import Document
 from bokeh.document.events import MessageSentEvent
+from bokeh.io import curdoc
 from bokeh.models import Div
 from visitor import ended
 
@@ -31,4 +32,5 @@ def test_a_destroyed_document_makes_no_call_and_raises_nothing():
     ended(callback.callback())
     doc.callbacks.destroy()
     document.later(doc, lambda: calls.append(2))
-    assert calls == [1]
+    del doc
+    assert calls == [1] and curdoc() is not None
