@@ -9,14 +9,16 @@ from functools import partial
 import numpy as np
 
 from .state import End, NotConverged
-from .transient import DIVISORS, TooLong, Transient, Trial
+from .transient import BUDGET, DIVISORS, TooLong, Transient, Trial
 
 USUAL = Trial()
+LONGER = 3.0  # a repetition is given up that takes so many times the steps that it should
 HALF = Trial(2.0)  # over one barrier: half of the usual step
 # Over several barriers. The first one differs in the step alone: of two that start elsewhere, too, both may be wrong
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
-# From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere
-FARTHER = Trial(nearer=0.2)
+# From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere.
+# Where half of the step is to be tried, too, both are tried at once: from there a motion takes a third of the time
+FARTHER, FARTHER_HALF = Trial(nearer=0.2), Trial(2.0, nearer=0.2)
 # Where all nodes are alike, waves must grow near the end of the branch. From the usual start, five times as far, one of
 # 300 cells (tests/bench/landings.py) fell before they had grown. From 4 and 20 times nearer it lands in the same state.
 DISTURBED = Trial(nearer=5.0, kick=1e-3)
@@ -29,20 +31,28 @@ def motion_to_rest(problem, end, judge, damping, closed) -> End:
     critical; closed: as of `motion.Motion`. Raises NotConverged.
     """
     motion = partial(_moved, problem, end, judge=judge, damping=damping, closed=closed)
-    state, stalled = motion(USUAL)
+    state, stalled, steps = motion(USUAL)
     slip = end._replace(after=state)
     if end.sensitive or _wandered(problem, end, slip.after):
         return slip._replace(sensitive=True)
-    starts = (FARTHER,) * (end.kind == "flutter") + (DISTURBED,) * problem.alike(end.v)
     finer, agreeing = _finer(problem.sites(end.v, state.v), stalled)
+    flutter, alike = end.kind == "flutter", problem.alike(end.v)
+    if (
+        flutter
+        and not alike
+        and HALF in finer
+        and _same(problem, slip.after, _tried(motion, problem, end, FARTHER_HALF, steps))
+    ):
+        return slip
+    starts = (FARTHER,) * flutter + (DISTURBED,) * alike
     may_change = not starts  # where the start matters, any disagreement is one too many
     for trial in starts:
-        if not _same(problem, slip.after, _tried(motion, problem, end, trial)):
+        if not _same(problem, slip.after, _tried(motion, problem, end, trial, steps)):
             return slip._replace(sensitive=True)
     for trial in finer:
         if not agreeing:
             break
-        state = _tried(motion, problem, end, trial)
+        state = _tried(motion, problem, end, trial, steps)
         if _same(problem, slip.after, state):
             agreeing -= 1
         elif not may_change:
@@ -67,10 +77,13 @@ def _finer(sites, stalled):
     return FINE, 1 if sites < 5.0 else 2  # one of 30 slips beyond 5 sites needed two
 
 
-def _tried(motion, problem, end, trial):
-    """The State in which a motion comes to rest; None where it does not, or where it wanders before."""
+def _tried(motion, problem, end, trial, steps):
+    """The State in which a motion comes to rest; None where it does not, or where it wanders before.
+
+    steps: of the usual motion. With finer steps it is given up beyond LONGER times as many of them.
+    """
     try:
-        state, _ = motion(trial)
+        state, *_ = motion(trial, most=int(LONGER * steps) if trial.finer > 1.0 else BUDGET)
     except NotConverged:
         return None
     return None if _wandered(problem, end, state) else state
@@ -93,13 +106,17 @@ def _same(problem, state, other):
     return bool(np.abs(other.v - state.v).max() <= 0.05 * problem.unit + 2.0 * rise)
 
 
-def _moved(problem, end, trial, **how):
-    """What `Transient.to_rest` returns, with the longest steps that lead there."""
+def _moved(problem, end, trial, most=BUDGET, **how):
+    """(State at rest, whether the motion stalled, its steps), with the longest steps that lead there.
+
+    most: steps of a motion, times its `finer`.
+    """
     # with other steps a trial would be another one
     for finer in DIVISORS if trial is USUAL else DIVISORS[:1]:
         try:
             slower = trial._replace(finer=finer * trial.finer)
-            return Transient(problem, end, slower, **how).to_rest()
+            moving = Transient(problem, end, slower, most=min(BUDGET, int(most * slower.finer)), **how)
+            return *moving.to_rest(), moving.steps
         except TooLong as failure:
             last = failure
     raise last

@@ -35,6 +35,10 @@ NEAR = 1e-4
 # most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
 # layers that detach
 BUDGET = 250_000
+# factor by which the load's rise since the end of the branch grows before Anderson steps that failed are tried again.
+# Tried at each rise, they took half of the evaluations of the worst scene of the box (E 11, depth 0.75, ratio 0.7), and
+# led some motions to equilibria that the motion passes
+FARTHER = 1.3
 # units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
 # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
 STALLED = 0.3
@@ -62,7 +66,8 @@ class Transient:
     tried.
     """
 
-    def __init__(self, problem, end, trial, judge, damping, closed):
+    def __init__(self, problem, end, trial, judge, damping, closed, most=BUDGET):
+        self.most = most
         self.problem, self.judge, self.damping, self.end = problem, judge, damping, end
         self.unit, self.trial, self.mode, self.sharper = problem.unit, trial, None, 1.0
         self.away = DEPARTURE * self.unit * end.phi
@@ -73,6 +78,7 @@ class Transient:
         self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
         self.pace = SLOW if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
+        self._tried = 0.0  # nm, rise of the load since the end of the branch at which Anderson steps were last tried
         self._speeds, self._stalls = (0.0, 0.0), list[np.ndarray]()  # nm per time, at the last two checks
 
     def to_rest(self) -> tuple[State, bool]:
@@ -106,8 +112,8 @@ class Transient:
         stiffness = max(dynamics.interface(self.v), dynamics.interface(self.v + self.ahead))
         if not stiffness < DIVERGED * motion.closed:
             raise TooLong("the motion diverges")
-        if self.steps > BUDGET:
-            raise Moving(f"still moving, residual {self._residual():.2g} nm, after {BUDGET} steps")
+        if self.steps > self.most:
+            raise Moving(f"still moving, residual {self._residual():.2g} nm, after {self.most} steps")
         self._set_pace()
         motion.soften(stiffness, self.pace / self.trial.finer)
         motion.advance(STEPS)
@@ -192,4 +198,7 @@ class Transient:
         self.load += share / self.trial.finer if self.end.kind == "flutter" else share
         if self.load > self.end.load + 5.0 * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
-        self.sharper, self.motion.load = 1.0, self.load
+        rise = self.load - self.end.load
+        if self.sharper == 1.0 or rise > FARTHER * self._tried:
+            self.sharper, self._tried = 1.0, rise
+        self.motion.load = self.load
