@@ -16,7 +16,7 @@ import numpy as np
 from .run.frame import Frame
 from .run.load_steps import abscissa, place
 from .run.summary import fields_of
-from .scene import LIMITS, PARAMETERS, Scene
+from .scene import LIMITS, Scene
 
 if TYPE_CHECKING:
     import holoviews as hv
@@ -62,23 +62,6 @@ def _contact_map(scene, frames, across):
     return hv.QuadMesh((at, x, T_z.T), kdims, value).opts(hv.opts.QuadMesh(cmap="RdBu_r", colorbar=True))
 
 
-def comparison(rows: Iterable[tuple[float, str, float, float]]) -> hv.Layout:
-    """Measured points, the fitted curve and their difference, from (U_x nm, quantity, measured, model)."""
-    import holoviews as hv
-
-    _ready()
-    by: dict[str, list[tuple[float, float, float]]] = {}
-    for U_x, quantity, measured, model in rows:
-        by.setdefault(quantity, []).append((U_x, measured, model))
-    plots, across = [], hv.Dimension("U_x", unit="nm")
-    for quantity, points in by.items():
-        U_x, measured, model = np.array(points).T
-        data = hv.Scatter((U_x, measured), across, quantity, label="measured").opts(color="gray")
-        plots += [data * hv.Curve((U_x, model), across, quantity, label="model")]
-        plots += [hv.Scatter((U_x, measured - model), across, f"{quantity}: measured - model")]
-    return _sized(hv.Layout(plots))
-
-
 def first_slips(table: pd.DataFrame, x: str, y: str, of: str | None) -> hv.Layout:
     """A column of a map (default: U_s) over its two parameters, and the regimes; points without a value are blank."""
     import holoviews as hv
@@ -96,21 +79,6 @@ def first_slips(table: pd.DataFrame, x: str, y: str, of: str | None) -> hv.Layou
     numbers = hv.HeatMap(cells, kdims, hv.Dimension(column, unit=UNITS.get(column)))
     regimes = {name: hv.Points(part, kdims, []) for name, part in cells.groupby("regime", sort=False)}
     return _sized(numbers.opts(hv.opts.HeatMap(colorbar=True)) + hv.NdOverlay(regimes, kdims="regime"))
-
-
-def friction_over_load(table: pd.DataFrame) -> hv.Overlay:
-    """F_s over L_s of the first slips in a table of `sweep`, and the line L = 0, where adhesion alone holds.
-
-    The columns of parameters colour the points, the first one, and name them, all.
-    """
-    import holoviews as hv
-
-    _ready()
-    names = [name for name in table if name in PARAMETERS]
-    slips = table[table["outcome"] == "slips"]
-    points = hv.Points(slips, ["L_s (N/m)", "F_s (N/m)"], names)
-    colour = {"color": names[0], "colorbar": True} if names else {}
-    return (points.opts(size=8, tools=["hover"], **SIZES["bokeh"], **colour, backend="bokeh")) * hv.VLine(0.0)
 
 
 def _ready():

@@ -1,21 +1,14 @@
-"""The meaning of an accuracy Report, in words, tables, diagrams and plain data."""
+"""The meaning of an accuracy Report, in words, tables and plain data."""
 
-from collections.abc import Callable
 from dataclasses import asdict
-from functools import partial
 from typing import Any
 
 from ..cautions import flutter
 from ..scene import LIMITS
 from ..text import changes
 from .compare import CURVES, Point
-from .document import Section
 from .measure import FULL, QUICK, SWEEPS, Report
 
-ERRORS: dict[str, tuple[str, Callable]] = {  # sweep: name of the error that its diagrams show, and its value
-    "tolerance": ("F, L, A before the first slip: largest relative error", lambda p: p.branch_error),
-    "du_x": ("largest error of a slip's position [nm]", lambda p: p.worst("position")),
-}
 VISIBLE = 1e-4  # of the largest value: an error that no plot shows, and no experiment on adhesion resolves
 TIGHTER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
@@ -118,33 +111,15 @@ def notes(report: Report) -> list[str]:
     ]
 
 
-def document(report: Report) -> tuple[str, list[Section]]:
-    """The whole report for people: its title and sections."""
+def text(report: Report) -> str:
+    """The whole report in lines, for a terminal."""
     from pandas import DataFrame  # takes longer to import than the solver
 
-    swept = [
-        Section(
-            f"{sweep} [{LIMITS[sweep].unit}]",
-            DataFrame([_row(p) for p in report.of(sweep)]),
-            [choice(report, sweep)],
-            partial(_diagrams, report, sweep),
-        )
-        for sweep in filter(report.of, SWEEPS)
-    ]
-    origin = Section(command(report), lines=[*notes(report), *failures(report)])
-    return f"Error against run time: {title(report)}", [*swept, origin, Section("", lines=[sentence(report)])]
-
-
-def _diagrams(report, sweep):
-    """A diagram over each work; none where no run of the sweep has an error."""
-    from ..live_plots import WORKS, chart, work_precision
-
-    label, error = ERRORS[sweep]
-    points, unit = [p for p in report.of(sweep) if not p.failure and error(p) is not None], LIMITS[sweep].unit
-    look = {"sizing_mode": "fixed", "width": 550, "height": 430, "x_axis_type": "log", "y_axis_type": "log"}
-    look["title"] = f"{sweep} swept [{unit}]: values beside points"
-    drawn = {axis: work_precision(points, work, error) for work, axis in WORKS.items() if points}
-    return [chart(curves, axis, label, beside=True, **look) for axis, curves in drawn.items()]
+    lines = [f"Error against run time: {title(report)}"]
+    for sweep in filter(report.of, SWEEPS):
+        table = DataFrame([_row(p) for p in report.of(sweep)]).to_string(index=False, justify="left")
+        lines += ["", f"{sweep} [{LIMITS[sweep].unit}]", table, choice(report, sweep)]
+    return "\n".join([*lines, "", command(report), *notes(report), *failures(report), "", sentence(report)])
 
 
 def data(report: Report) -> dict[str, Any]:

@@ -57,12 +57,6 @@ class Fit:
         verdict = f"The curve {fits}: chi^2 = {self.chi2:.3g} per degree of freedom, {self.runs} runs"
         return "\n".join([*lines, verdict, *(f"Caution: {each}" for each in self.warnings)])
 
-    def as_dict(self) -> dict[str, object]:
-        """By plain names, as JSON has it."""
-        numbers = {"values": self.values, "errors": self.errors, "correlations": self.correlations.tolist()}
-        verdict = {"chi2": self.chi2, "reached": self.reached, "runs": self.runs, "warnings": list(self.warnings)}
-        return numbers | verdict | {"residuals": self.residuals.tolist()}
-
 
 def fit(scene: Scene, measured: Measurement | Recording | Source, free: Sequence[str], limit: float = LIMIT) -> Fit:
     """Fits parameters of a scene to a measured curve, given all others.

@@ -16,14 +16,12 @@ def add_accuracy(commands: Any) -> None:
     slips = "end just beyond slip N in shear, default 2 (with --quick: 1)"
     parser.add_argument("--slips", type=within(1), metavar="N", help=slips)
     add_file(parser, "json", "all results")
-    add_file(parser, "html", "the diagram as a page that opens offline")
 
 
 def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
     """Measures error against run time, writes the files asked for, prints tables; returns the exit code."""
-    from ..accuracy.document import text, write_page
     from ..accuracy.measure import measure  # imported here because `run` does not need them
-    from ..accuracy.report import data, document
+    from ..accuracy.report import data, text
 
     for name, only in (("path", "shear"), ("hold", "delta")):
         if (value := getattr(scene, name)) != only:
@@ -34,8 +32,6 @@ def accuracy(scene: Scene, arguments: argparse.Namespace) -> int:
             bar.update(int(100 * done) - bar.n)
             if so_far is not None:
                 report = so_far
-    shown = document(report)
-    print(text(*shown))
+    print(text(report))
     write(arguments.json, write_json, data(report))
-    write(arguments.html, write_page, *shown)
     return 0

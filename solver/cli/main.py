@@ -11,14 +11,12 @@ from typing import NoReturn
 
 from numba.core.event import Event, Listener, install_listener
 
-from .. import NotConverged, NotFollowed, Scene, SceneError, __version__
+from .. import NotConverged, Scene, SceneError, __version__
 from ..isolated import Lost
 from ..presets import presets
 from ..scene import CHOICES, LIMITS, PARAMETERS
 from ..threads import one_thread
 from .accuracy import add_accuracy
-from .derivatives import add_fit, add_sensitivities
-from .maps import add_map
 from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, InputError, program
 from .run import add_run
 from .sweep import add_sweep
@@ -26,15 +24,7 @@ from .verify import add_verify
 
 CLOSED_PIPE = 141  # exit code, as shells report SIGPIPE
 COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
-COMMANDS = (
-    add_run,
-    add_sweep,
-    add_verify,
-    add_accuracy,
-    add_map,
-    add_sensitivities,
-    add_fit,
-)
+COMMANDS = add_run, add_sweep, add_verify, add_accuracy
 
 
 class CompilingNotice(Listener):
@@ -84,9 +74,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except NotConverged as error:
         print(error, file=sys.stderr)
-        return NOT_CONVERGED
-    except NotFollowed as error:
-        print(f"{error}; this command needs a run that can be followed: change a parameter", file=sys.stderr)
         return NOT_CONVERGED
     except KeyboardInterrupt:
         print("Interrupted; run again to finish", file=sys.stderr)

@@ -8,7 +8,6 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from ..plots import refusal
 from ..presets import preset
 from ..profile import read_profile
 from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
@@ -43,24 +42,6 @@ def add_command(commands: Any, name: str, run: Callable, summary: str, text: str
 def add_file(parser: argparse.ArgumentParser, option: str, content: str, **options: Any) -> None:
     """Adds --option FILE."""
     parser.add_argument(f"--{option}", type=_writable, metavar="FILE", help=f"write {content}", **options)
-
-
-def add_plot(parser: argparse.ArgumentParser, content: str) -> None:
-    """Adds --html FILE."""
-    parser.add_argument("--html", type=_plot, metavar="FILE", help=f"plot {content} as a page that opens offline")
-
-
-def _plot(file):
-    """A type for argparse: the name of a plot that can be written."""
-    if why := refusal(file):
-        raise argparse.ArgumentTypeError(why)
-    return _writable(file)
-
-
-def add_scheduler(parser: argparse.ArgumentParser) -> None:
-    """Adds --scheduler."""
-    text = "compute on a dask cluster, in a trusted network: tcp://host:8786, else tls://. docs/serve.md has its rules"
-    parser.add_argument("--scheduler", metavar="ADDRESS", help=text)
 
 
 def within(low: float, high: float = inf, kind: type = int) -> Callable[[str], float]:

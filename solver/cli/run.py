@@ -13,7 +13,7 @@ from ..files import report_of, write_csv, write_json, write_npz
 from ..results import Result, ended, with_progress
 from ..run.held_load import held_at
 from ..text import counted
-from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_plot, caution, write
+from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, caution, write
 
 # These small runs stick and slip: they load or compile every kernel before the clock starts. The patch of the first is
 # a part of the cell, that of the second all of it: arrays of another layout, for which Numba compiles again.
@@ -33,7 +33,6 @@ def add_run(commands: Any) -> None:
     add_file(parser, "csv", "the curves: a row per increment")
     add_file(parser, "npz", "curves and fields of the increments after the approach")
     add_file(parser, "json", "scene, version, method and summary, for `verify`")
-    add_plot(parser, "F and L, A and the contact")
 
 
 def run(scene: Scene, arguments: argparse.Namespace) -> int:
@@ -57,7 +56,6 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.csv, write_csv, frames)
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
-    write(arguments.html if frames else None, result.save)
     if failure is not None:
         print(failure, file=sys.stderr)
     return INTERRUPTED if interrupted else 0 if report["converged"] else NOT_CONVERGED

@@ -99,26 +99,6 @@ def test_json_names_its_schema_and_what_computed_it(written):
     assert summary["commit"] is None or re.fullmatch(r"[0-9a-f]{7,}\+?", summary["commit"])
 
 
-def test_plots_are_pages_that_open_offline(call, tmp_path):
-    """Each holds its scripts: nothing but the links of Bokeh's own toolbar leads elsewhere."""
-    curve, pages = tmp_path / "curve.csv", {name: tmp_path / f"{name}.html" for name in ("run", "fit", "map")}
-    small = ("--set", *SMALL, "radius=0.6", "delta_bar=0.1", "E=30", "u_x_max=12")
-    assert call("run", *small, "--csv", curve, "--html", pages["run"])[0] == 0
-    code, out, _ = call("fit", curve, "--free", "E", *small, "--html", pages["fit"])
-    assert code == 0 and "The curve fits the data" in out
-    axes = ("--x", "delta_bar=0:0.1:2", "--y", "E=20:30:2")
-    assert call("map", *axes, *small, "--csv", tmp_path / "map.csv", "--html", pages["map"])[0] == 0
-    for page in pages.values():
-        text = page.read_text(encoding="utf-8")
-        assert f", mixed-mode-contact {__version__}</p>" in text and "Scene(" in text
-        assert "bokeh" in text.lower() and not re.search(r"<(script|link)[^>]*(src|href)=\"http", text)
-
-
-def test_a_plot_is_refused_before_the_run_if_its_name_has_another_suffix(call, tmp_path):
-    code, _, err = call("run", "--set", *SMALL, "--html", tmp_path / "run.txt")
-    assert code == 2 and ".html" in err and len(err.splitlines()) == 1
-
-
 def test_csv_is_the_table_of_the_result(written):
     assert written.csv.read_text().split("\n")[0] == HEADER
     table = pd.read_csv(written.csv)
@@ -449,14 +429,10 @@ def test_an_unknown_parameter_is_answered_with_the_most_similar_one(call, settin
         ("run",),
         ("sweep", "--over", "E=60,70"),
         ("accuracy",),
-        ("sensitivities",),
-        ("map", "--x", "E=1:2:2", "--y", "nu=0:0.1:2", "--csv"),
-        ("fit", "f", "--free", "E"),
     ],
 )
-def test_every_command_that_computes_a_scene_knows_the_presets(call, tmp_path, arguments):
-    files = [tmp_path / "map.csv"] if arguments[-1] == "--csv" else []
-    code, _, err = call(*arguments, *files, "--preset", "fig9")
+def test_every_command_that_computes_a_scene_knows_the_presets(call, arguments):
+    code, _, err = call(*arguments, "--preset", "fig9")
     assert code == 2 and err.startswith("preset = 'fig9': allowed: fig6, ")
 
 
@@ -478,13 +454,6 @@ def test_sweep_prints_and_writes_the_first_slip_of_every_combination(call, tmp_p
 def test_sweep_names_a_wrong_parameter_or_value_in_one_line(call, over, words):
     code, _, err = call("sweep", "--over", over)
     assert code == 2 and err.count("\n") == 1 and words in err
-
-
-def test_fit_takes_its_arguments_in_the_order_that_its_usage_prints(call):
-    _, out, _ = call("fit", "--help")
-    assert out.startswith("usage: python -m solver fit FILE --free NAME [NAME ...] [options]\n")
-    code, _, err = call("fit", "nowhere.csv", "--free", "E", "nu", "--set", "E=50")
-    assert code == 2 and "nowhere.csv" in err and "required" not in err
 
 
 def test_a_closed_output_pipe_leaves_no_traceback():
@@ -538,10 +507,3 @@ def test_ci_runs_exactly_the_test_command_of_the_readme():
     environment = "python3 -m venv .venv && . .venv/bin/activate"
     assert shown.stdout == f'{environment} && pip install -e ".[test]" && pytest\n'
     assert f"- test: `{shown.stdout.strip()}`\n" in (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def test_a_cluster_without_dask_is_refused_with_a_remedy(call, monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    axes = ("--x", "E=60:80:2", "--y", "delta_bar=0:0.1:2", "--csv", tmp_path / "map.csv")
-    code, _, err = call("map", *axes, "--scheduler", "tcp://127.0.0.1:1")
-    assert code == 2 and err.startswith('scheduler: dask is missing; pip install "mixed-mode-contact[cluster]"')

@@ -1,20 +1,19 @@
-"""Commands on a real dask cluster of two worker processes: the same results, and what is lost there."""
+"""Maps and calls on a real dask cluster of two worker processes: the same results, and what is lost there."""
 
-import csv
 import os
+import sys
 import time
 
 import pytest
 from clusters import Local
 from helpers import until
 
-from solver import cluster
-from solver.cli import main
-from solver.isolated import outcomes
+from solver import Axis, Map, Scene, cluster, explored
+from solver.isolated import Lost, outcomes
 
 pytestmark = pytest.mark.slow
 distributed = pytest.importorskip("distributed", reason="needs the extra `cluster`")
-SMALL = ["nodes=64", "width=160", "radius=0.6", "u_x_max=20"]
+SMALL = {"nodes": 64, "width": 160.0, "radius": 0.6, "u_x_max": 20.0}
 
 
 @pytest.fixture(scope="module")
@@ -36,16 +35,13 @@ def workers(address):
 
 
 @pytest.mark.thorough
-def test_a_map_computed_on_a_cluster_has_the_regimes_and_slips_of_one_computed_here(address, tmp_path):
-    tables = []
-    for place in ([], ["--scheduler", address]):
-        axes = ["--x", "E=50:80:3", "--y", "delta_bar=0:0.1:2"]
-        assert main(["map", *axes, "--set", *SMALL, "--csv", str(tmp_path / "map.csv"), *place]) == 0
-        rows = csv.DictReader((tmp_path / "map.csv").open())
-        tables.append({(row["i"], row["j"]): (row["regime"], float(row["U_s"])) for row in rows})
-    assert len(tables[0]) == 6 and tables[0].keys() == tables[1].keys()
-    for place, (regime, U_s) in tables[0].items():
-        assert tables[1][place] == (regime, pytest.approx(U_s, abs=1e-5))
+def test_a_map_computed_on_a_cluster_has_the_regimes_and_slips_of_one_computed_here(address):
+    grid = Map(Scene(**SMALL), Axis("E", 50.0, 80.0, 3), Axis("delta_bar", 0.0, 0.1, 2))
+    here, there = ({(p.i, p.j): p for p in explored(grid, place)} for place in (None, address))
+    assert len(here) == 6 and here.keys() == there.keys()
+    for place, point in here.items():
+        assert there[place].regime == point.regime
+        assert there[place].U_s == pytest.approx(point.U_s, abs=1e-5)
 
 
 @pytest.mark.thorough
@@ -63,9 +59,15 @@ def test_failing_calls_on_a_cluster_cost_no_other_result(address):
     assert sorted(dict(outcomes(abs, range(10), address, 60.0)).values()) == [*range(10)]
 
 
-def test_an_unreachable_cluster_is_named_in_one_line(capsys, monkeypatch, tmp_path):
+def test_an_unreachable_cluster_is_named_in_one_line(monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    grid = ["map", "--x", "E=60:80:2", "--y", "delta_bar=0:0.1:2", "--csv", str(tmp_path / "map.csv")]
-    assert main([*grid, "--scheduler", "tcp://127.0.0.1:1"]) == 2
-    said = capsys.readouterr().err.strip().splitlines()
-    assert said[-1].startswith("scheduler tcp://127.0.0.1:1: cannot be reached")
+    grid = Map(Scene(), Axis("E", 60.0, 80.0, 2), Axis("delta_bar", 0.0, 0.1, 2))
+    with pytest.raises(Lost, match=r"^scheduler tcp://127.0.0.1:1: cannot be reached"):
+        list(explored(grid, "tcp://127.0.0.1:1"))
+
+
+def test_a_cluster_without_dask_is_refused_with_a_remedy(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    grid = Map(Scene(), Axis("E", 60.0, 80.0, 2), Axis("delta_bar", 0.0, 0.1, 2))
+    with pytest.raises(Lost, match=r'^scheduler: dask is missing; pip install "mixed-mode-contact\[cluster\]"'):
+        list(explored(grid, "tcp://127.0.0.1:1"))

@@ -80,7 +80,7 @@ def messages(path):
 def test_messages_of_the_library_do_not_name_options_of_the_command_line():
     """`accuracy/report.py` prints a command."""
     options = set(re.findall(r"--[a-z]+", "".join(path.read_text() for path in modules("cli"))))
-    assert {"--set", "--free", "--scheduler"} <= options
+    assert {"--set", "--over", "--slips"} <= options
     for path in modules("."):
         if path.parent.name == "cli" or path.match("accuracy/report.py"):
             continue

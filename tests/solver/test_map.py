@@ -1,6 +1,5 @@
 """Maps of first slips: every point once, from coarse to fine, against exact runs and closed forms of flats."""
 
-import csv
 import pickle
 from dataclasses import replace
 
@@ -10,13 +9,11 @@ import pytest
 from solver import NotConverged, NotFollowed, Scene, SceneError, SlipEvent, load_path, summarize
 from solver.analysis import maps
 from solver.analysis.friction_laws import critical_modulus
-from solver.analysis.maps import COLUMNS, REGIMES, Axis, Map, Point, Task, computed_point
+from solver.analysis.maps import REGIMES, Axis, Map, Point, Task, computed_point
 from solver.analysis.maps import task as map_task
 from solver.analysis.maps.grid import AROUND, RUNS
 from solver.analysis.maps.point import at_slip
 from solver.analysis.maps.run import computed
-from solver.cli import main
-from solver.cli import maps as mapping
 from solver.continuation import transient
 
 SMALL = Scene(nodes=128, width=312.5, u_x_max=12.0, tolerance=1e-7)  # the default, an eighth as wide
@@ -94,9 +91,7 @@ def test_a_plot_of_a_map_shows_the_quantity_and_the_regimes(grid, explored_grid)
         grid.plot([], "F")
 
 
-def test_map_points_survive_as_text_and_tasks_as_bytes(grid, explored_grid):
-    for point in [*explored_grid.values(), Point(reason="too soft")]:
-        assert Point.from_row({name: str(value) for name, value in point.as_row().items()}) == point
+def test_tasks_of_a_map_survive_as_bytes(grid, explored_grid):
     known = {place: (point, None) for place, point in explored_grid.items() if place != (3, 3)}
     task = grid.task((3, 3), known)
     read = pickle.loads(pickle.dumps(task))
@@ -274,67 +269,3 @@ def test_the_two_axes_differ():
 
 
 NUMBERS = "U_s", "F_s", "A_s", "A_0"
-AXES = ["--x", "delta_bar=-0.9:-0.8:3", "--y", "phi_ratio=0.5:1.5:2:log", "--set", "nodes=32", "width=80"]
-
-
-@pytest.mark.slow
-def test_map_command_resumes_from_its_rows_and_writes_tables(tmp_path, capsys):
-    file, table = tmp_path / "map.csv", tmp_path / "table.csv"
-    assert main(["map", *AXES, "--csv", str(file)]) == 0
-    rows = list(csv.DictReader(file.open()))
-    assert len(rows) == 6 and set(rows[0]) == {*COLUMNS, "delta_bar", "phi_ratio", "scene", "version"}
-    assert {(row["delta_bar"], row["regime"]) for row in rows} >= {("-0.85", "never touches")}
-    lines = file.read_text().splitlines()
-    file.write_text("\n".join(lines[:-2]) + "\n")
-    assert main(["map", *AXES, "--csv", str(file), "--resume"]) == 0
-    assert file.read_text().splitlines()[:-2] == lines[:-2] and sorted(file.read_text().splitlines()) == sorted(lines)
-    assert main(["map", *AXES, "--column", "A_0", "--csv", str(table)]) == 0
-    found = list(csv.reader(table.open()))
-    assert found[0][1:] == ["-0.9", "-0.85", "-0.8"] and [row[1:] for row in found[1:]] == [["0.0"] * 3] * 2
-    assert "6 points, 0 followed" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [["--x", "E=10:20:3"], [*AXES, "--column", "colour"], ["--x", "E=10:20", "--y", "delta_bar=0:1:3"]],
-)
-def test_bad_input_is_refused_in_a_line(arguments, tmp_path, capsys):
-    assert main(["map", *arguments, "--csv", str(tmp_path / "map.csv")]) == 2
-    assert capsys.readouterr().err.count("\n") == 1 and not list(tmp_path.iterdir())
-
-
-def test_a_file_of_another_map_is_not_resumed(tmp_path, capsys):
-    (tmp_path / "map.csv").write_text("a,b\n1,2\n")
-    assert main(["map", *AXES, "--resume", "--csv", str(tmp_path / "map.csv")]) == 2
-    assert "--resume" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("changed", "held"),
-    [
-        (("E=20",), "is of scene 'width=80.0 nodes=32', version"),
-        (("law=xu-needleman",), "allowed: scene 'law=xu-needleman width=80.0 nodes=32'"),
-        (("phi_ratio=0.7",), ""),
-    ],
-)
-def test_a_map_of_another_scene_is_not_resumed(tmp_path, capsys, changed, held):
-    """The file keeps its points. The value that the scene has of an axis does not matter."""
-    file = tmp_path / "map.csv"
-    assert main(["map", *AXES, "--csv", str(file)]) == 0
-    before = file.read_text()
-    assert main(["map", *AXES, *changed, "--resume", "--csv", str(file)]) == (2 if held else 0)
-    assert held in capsys.readouterr().err and file.read_text() == before
-
-
-def test_a_map_of_another_version_or_profile_is_not_resumed(tmp_path, capsys, monkeypatch):
-    file, profiles = tmp_path / "map.csv", []
-    for height in (1.0, 2.0):
-        profiles.append(tmp_path / f"{height}.csv")
-        profiles[-1].write_text("".join(f"{x},{height * np.cos(np.pi * x / 40)}\n" for x in range(81)))
-    axes = [*AXES[:-1], "du_z=1"]
-    assert main(["map", *axes, f"profile={profiles[0]}", "--csv", str(file)]) == 0
-    assert main(["map", *axes, f"profile={profiles[1]}", "--resume", "--csv", str(file)]) == 2
-    assert "profile=" in capsys.readouterr().err
-    monkeypatch.setattr(mapping, "__version__", "0.0")
-    assert main(["map", *axes, f"profile={profiles[0]}", "--resume", "--csv", str(file)]) == 2
-    assert "version 0.0; leave --resume out" in capsys.readouterr().err

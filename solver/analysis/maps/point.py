@@ -1,6 +1,5 @@
 """A point of a map: the regime of a scene and numbers of its first slip."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -64,15 +63,6 @@ class Point:
     def as_row(self) -> dict[str, Any]:
         """{column: value} with "" for None."""
         return {name: "" if value is None else value for name, value in asdict(self).items()}
-
-    @staticmethod
-    def from_row(row: Mapping[str, Any]) -> "Point":
-        """The Point of {column: text or value}, as `as_row` returns it or a CSV file holds it."""
-        read: dict[str, Callable[[Any], Any]] = dict.fromkeys(COLUMNS, float)
-        read |= dict.fromkeys(("i", "j", "sites", "branches", "evaluations"), int)
-        read |= {"regime": str, "reason": str, "followed": lambda text: str(text) == "True"}
-        values: dict[str, Any] = {k: None if row[k] == "" and k != "reason" else read[k](row[k]) for k in COLUMNS}
-        return Point(**values)
 
 
 COLUMNS = tuple(field.name for field in fields(Point))
