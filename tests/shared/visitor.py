@@ -27,6 +27,7 @@ class Page:
         self.session = Session(self, Pages, arguments, jobs or Jobs(pool))
         self.session.scene = scene
         self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
+        self._change_callbacks = {}  # a document that was destroyed has none
 
     def trigger_on_change(self, event):
         """Keep a message: frames of the run on screen, of a pin or of a film, by their number; or another one."""
