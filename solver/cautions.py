@@ -109,7 +109,8 @@ def _of_the_surface(scene, widest):
         return
     if widest > WIDE:
         yield (
-            f"The contact takes up to {100 * widest:.0f} % of the width w, more than {100 * WIDE:.0f} %:"
+            f"The contact and what it attracts take up to {100 * widest:.0f} % of the width w, more than"
+            f" {100 * WIDE:.0f} %:"
             " the punch feels its periodic neighbours. Use a wider cell, or a smaller radius."
         )
     slope = 0.5 * widest / scene.radius

@@ -32,7 +32,7 @@ LANDING = 0.03
 # Used in place of LANDING while the motion starts. There the residual is small anyway: about half the curvature
 # times the distance squared
 NEAR = 1e-4
-# most steps of one motion: the slider box needs 8,000, but with 60,000 a twentieth of the atlas gives up, very soft
+# most steps of one motion: the slider box needs 30,000, but with 60,000 a twentieth of the atlas gives up, very soft
 # layers that detach
 BUDGET = 250_000
 # factor by which the load's rise since the end of the branch grows before Anderson steps that failed are tried again.

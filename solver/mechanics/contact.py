@@ -81,10 +81,11 @@ class Contact:
 def patch(scene) -> tuple[int, int]:
     """(first, size) of the nodes that springs can reach in any state of a run: the others are farther than REACH.
 
-    Attraction is at most p = -T_z(delta_n) a node and friction q, so that they draw no node by more than
-    p sum |C_zz| + q sum |C_xz|; a held load lets the top sink by as much again. A node under repulsion has a negative
-    gap, so it is lifted by less than that plus the indentation. The layer beside it sinks by at most the share of that
-    lift which C_zz has of negative values.
+    An estimate, which a run verifies no further: attraction is at most p = -T_z(delta_n) a node. Friction is taken as
+    q, that without overlap; surfaces that overlap resist exp(-Delta_n/delta_n) times as much. So much draws no node by
+    more than p sum |C_zz| + q sum |C_xz|; a held load lets the top sink by as much again. A node under repulsion has a
+    negative gap, so it is lifted by less than that plus the indentation. The layer beside it sinks by at most the share
+    of that lift which C_zz has of negative values.
     """
     _, zz, xz = Modes.of(scene).kernels
     p = -traction(scene, 0.0, scene.delta_n)[1]
