@@ -48,6 +48,7 @@ SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?([^",]{1,60})
 SPEED = re.compile(r"([\d.]+(?:[eE][-+]?\d+)?)\s*(?:(nm|um|µm|mm|cm|m)/s(?:ec)?)?\s*$")
 SPEED_UNIT = re.compile(r"\b(nm|um|µm|mm|cm|m)/s")
 LENGTHS = UNITS["nm"] | {unit: FACTORS[unit] for unit in ("micron", "cm")}
+GLUED = re.compile(r"^(time)-?\d[\d.e+-]*$", re.I)  # the last name of a heading, which afmformats once left without end
 MOST_SAID = 100
 
 
@@ -82,6 +83,8 @@ class _Reader:
         self.scene, self.table, self.speed, self.force = scene, table, speed, force
         self.said = _said(table.above)
         self.notes = [f"line {table.end} begins another table: left out."] * bool(table.end)
+        glued = [column.name[:SHOWN] for column in table.columns if GLUED.search(column.name)]
+        self.notes += [f"the first row stands in the heading, behind {name!r}: left out." for name in glued]
         self.units: dict[str, str] = {}
         self.assumed: dict[str, str] = {}  # units of columns that name none
 
@@ -98,6 +101,8 @@ class _Reader:
         unused = [name for name in names if name[:1].isalpha()]
         # in the file of a run they are
         self.notes += [f"not used: {listed(unused)}."] * bool(unused and not {"residual", "evaluations"} <= set(unused))
+        if self.speed is not None and kind != "time":
+            raise DataError(f"speed = {self.speed:g}: used with friction over time only; leave it out")
         read = {"friction": self._friction, "time": self._friction, "load": self._load, "area": self._area}
         return read[kind](taken)
 
@@ -238,11 +243,12 @@ class _Reader:
 
     def _speed(self):
         """nm/s, given or said in the file; raises DataError."""
+        said = {key: value for key, value in self.said.items() if re.search("speed|velocity|rate", key, re.I)}
         if self.speed is not None:
             if not 0.0 < self.speed < np.inf:
                 raise DataError(f"speed = {self.speed}; allowed: above 0, in nm/s; give a number in that range")
+            self.notes += [f"speed = {self.speed:g} nm/s as given; the file says {key} = {said[key]}." for key in said]
             return self.speed
-        said = {key: value for key, value in self.said.items() if re.search("speed|velocity|rate", key, re.I)}
         for key, value in said.items():
             if (number := SPEED.match(value)) and (unit := number[2] or SPEED_UNIT.search(key)):
                 self.notes.append(f"speed: {key} = {value}.")
@@ -276,13 +282,13 @@ class _Reader:
     def _force_factor(self, name, heading, unit):
         """As `_factor`, of a force."""
         per_width, self.units[name] = UNITS["N/m"], "N/m"
-        if unit == "F_s":
-            self.units[name] = unit
-            return 1.0
-        if unit in per_width and self.force is not None:
+        if (unit in per_width or unit == "F_s") and self.force is not None:
             raise DataError(f"force = {self.force:g}, but {heading} is in {unit}; leave force out")
         if self.force is not None:
             return self.force
+        if unit == "F_s":
+            self.units[name] = unit
+            return 1.0
         if not unit:
             self.assumed[name] = "N/m"
             return 1.0
@@ -335,8 +341,7 @@ def _sides(columns):
 
 
 def _role(column):
-    plain = re.sub(r"[\W_]", "", column.name.lower())
-    plain = re.sub(r"(time)\d[\de+-]*$", r"\1", plain)  # afmformats writes the first number behind it
+    plain = re.sub(r"[\W_]", "", GLUED.sub(r"\1", column.name.lower()))
     return next((role for role, words in NAMED.items() if plain in words), None)
 
 

@@ -133,10 +133,12 @@ def fit_of_loop(scene: Scene, measured: Recording, free: tuple[str, ...], limit:
     if measured.unfit:
         raise DataError(measured.unfit)
     start, near = np.array([getattr(scene, name) for name in free]), False
-    first = measured.segments[0]
-    if measured.virgin:
-        values = {f"{name}_bar": y / (scene.width * scene.E) for name, y in first.values.items() if name in "FL"}
-        stroke = Measurement.of(first.x, values, unit=scene.width * scene.E)
+    first, unit = measured.segments[0], scene.width * scene.E
+    if measured.virgin and first.name == "forth":
+        order = np.argsort(first.x, kind="stable")
+        in_force = [name for name in first.values if measured.units[name] == "N/m"]
+        values = {f"{name}_bar": first.values[name][order] / unit for name in in_force}
+        stroke = Measurement.of(first.x[order], values, unit=unit)
         check_plausible(scene, stroke)
         try:
             start, near = np.array(list(fit(scene, stroke, free, 0.5 * limit).values.values())), True
@@ -154,6 +156,9 @@ def fit_of_loop(scene: Scene, measured: Recording, free: tuple[str, ...], limit:
     deviation *= max(1.0, chi2) ** 0.5
     warnings = [*[caution] * bool(caution), *[NO_LOOP] * (not reached), *alike(free, correlations)]
     found_at, errors = (dict(zip(free, map(float, numbers), strict=True)) for numbers in (x, deviation))
-    unit = scene.width * scene.E
-    rows = [(U_x, f"{name}_bar", seen / unit, computed / unit) for _, U_x, name, seen, computed in found.rows]
+    over = {"N/m": unit, "nm": scene.width}
+    units = {name: over.get(found.units[name], 1.0) for name in found.units}
+    rows = [
+        (U_x, f"{name}_bar", seen / units[name], computed / units[name]) for _, U_x, name, seen, computed in found.rows
+    ]
     return Fit(found_at, errors, correlations, chi2, reached, model.runs, tuple(warnings), rows, off)

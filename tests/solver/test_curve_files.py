@@ -140,6 +140,15 @@ def test_a_fit_of_a_loop_finds_what_made_it(loop, first):
     assert found.reached and not found.warnings
 
 
+def test_rows_of_a_loop_are_over_the_units_of_their_names(loop):
+    """Forces over w E, areas over w."""
+    frames = [frame for frame in loop.frames if frame.stage != "approach"]
+    columns = [[getattr(frame, name) for frame in frames] for name in ("U_x", "F", "A")]
+    found = fit(SMALL, read_measurement(SMALL, table("U_x (nm),F (N/m),A (nm)", *columns)), ["E"])
+    areas = [row[2] for row in found.rows if row[1] == "A_bar"]
+    assert max(areas) == pytest.approx(max(frame.A_bar for frame in frames), rel=1e-6)
+
+
 def test_small_ways_back_are_noise_and_no_segments():
     x = np.linspace(0.0, 10.0, 200) + 0.05 * np.random.default_rng(1).normal(size=200)
     assert turns_of(x) == [0, 199]
@@ -172,6 +181,24 @@ def test_friction_over_time_takes_the_speed_that_is_said_or_given(above, speed, 
     assert found.U_x == pytest.approx(5.0 * TIMED)
     assert found.values["F_bar"] * found.unit == pytest.approx(F, abs=1e-8)
     assert found.values["L_bar"] * found.unit == pytest.approx(L)
+
+
+def test_what_is_given_beside_what_the_file_says_is_named_or_refused():
+    said = table("Time (s),Fx (N/m)", TIMED, np.sin(TIMED), above="Speed: 5 nm/s\n")
+    assert "speed = 2 nm/s as given; the file says Speed = 5 nm/s." in read_measurement(SMALL, said, speed=2.0).notes
+    with pytest.raises(DataError, match="speed = 2: used with friction over time only"):
+        read_measurement(SMALL, table("U_x (nm),F (N/m)", TIMED, TIMED), speed=2.0)
+    for unit in ("F (N/m)", "F/F_s"):
+        with pytest.raises(DataError, match=r"force = 3, but F is in .*; leave force out"):
+            read_measurement(SMALL, table(f"U_x (nm),{unit}", TIMED, TIMED), force=3.0)
+
+
+def test_a_row_that_a_writer_left_in_the_heading_is_named():
+    heading = "# force\theight (measured)\ttime-6.77e-10\t5.5e-05\t1.1"
+    text = table("# afmformats 0.13.3", 1e-9 * LOAD, -1e-9 * DOWN, np.arange(DOWN.size), separator="\t")
+    text = text.replace("# afmformats 0.13.3", f"# afmformats 0.13.3\n{heading}")
+    found = read_measurement(SMALL, text)
+    assert found.kind == "load" and "the first row stands in the heading" in found.notes[0]
 
 
 def test_friction_over_time_without_a_speed_is_refused_with_what_the_file_says():
