@@ -3,6 +3,7 @@
 
 import { order, take } from "../channel.js"
 import { by, make, makeShape, on, say } from "../dom.js"
+import { me } from "../store.js"
 
 const UNITS = { nm: 1, "µm": 1e3, mm: 1e6 } // {name: nm}
 const LONG = 20e3, PART = 2e3 // nm: of a longer trace the middle part
@@ -59,11 +60,12 @@ function smooth(nm) {
 
 function tell() {
   const begin = place("trace-begin"), end = place("trace-end"), size = end - begin
+  const nodes = Number(me.status.values.nodes) // of the scene on screen, which takes the profile
   const filter = cutOff() ? `, waves shorter than ${inLength(cutOff())} removed` : ""
   const asks = trace.named ? "" : "The file names no unit. Choose the one that is right: "
   say("trace-says", `${asks}${inLength(size)} of ${inLength(trace.length * unit())}, `
-    + `${inLength(trace.height * unit())} high${filter}. 1,024 nodes lie ${inLength(size / 1024)} apart: `
-    + "the lattice period.")
+    + `${inLength(trace.height * unit())} high${filter}. ${nodes.toLocaleString("en")} nodes lie `
+    + `${inLength(size / nodes)} apart: the lattice period.`)
   by("trace-use").disabled = size <= 0
   const across = (x) => (WIDE * x) / trace.length, up = (z) => HIGH * (0.95 - (0.9 * z) / (trace.height || 1))
   const line = trace.x.map((x, k) => `${across(x).toFixed(1)},${up(trace.z[k]).toFixed(1)}`).join(" ")
