@@ -295,8 +295,8 @@ class Scene:
         return f"Scene({', '.join(f'{name}={value!r}' for name, value in values.items())})"
 
     def changed(self, **values: Any) -> "Scene":
-        """The same scene with other values; points set delta_bar anew."""
-        if values.get("path", self.path) == "points":
+        """The same scene with other values; points set delta_bar anew, where they are given or were the path before."""
+        if values.get("path", self.path) == "points" and ("points" in values or self.legs):
             values = {"delta_bar": Scene.delta_bar} | values
         return replace(self, **values)
 

@@ -177,6 +177,7 @@ def changed_scene(
             raise SceneError("surface", "measured", "it needs a profile", "choose a file under profile")
         if values.get("path", scene.path) == "points":  # they set it
             values.pop("delta_bar", None)
+            values.setdefault("points", scene.points)
         changed = scene.changed(**values)
         _refuse_large(changed, values)
         return changed, errors

@@ -170,6 +170,8 @@ def test_another_depth_than_that_of_the_points_is_refused_and_changed_points_set
     scene = Scene(path="points", points="0,-1; 0,0.2; 8,0.2", delta_bar=0.2)
     assert scene.changed(points="0,-1; 0,0.3; 8,0.3").delta_bar == 0.3
     assert Scene(delta_bar=0.5).changed(path="points", points=scene.points).delta_bar == 0.2
+    with pytest.raises(SceneError, match=r"delta_bar = 0\.5: allowed with these points: 0\.2.*; leave it out"):
+        Scene(delta_bar=0.5).changed(path="points")
     assert scene.changed(path="shear").delta_bar == 0.2
 
 
