@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from threading import Lock
+from typing import Any
 
 import numpy as np  # noqa: F401  its BLAS must be loaded before the search
 import scipy.linalg  # noqa: F401  so must SciPy's own
@@ -15,8 +17,27 @@ def _blas() -> ThreadpoolController:
     return ThreadpoolController().select(user_api="blas")
 
 
+class _Uses:
+    """Contexts that are open now, in any thread: the first one sets the limit, the last one lifts it."""
+
+    lock, count = Lock(), 0
+    limit: Any = None
+
+
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """BLAS has one thread within this context and its former number afterwards; also a decorator."""
-    with _blas().limit(limits=1):
+    """BLAS has one thread within this context and its former number afterwards; also a decorator.
+
+    Within another one it costs nothing: setting the limit takes as long as three force evaluations.
+    """
+    with _Uses.lock:
+        _Uses.count += 1
+        if _Uses.count == 1:
+            _Uses.limit = _blas().limit(limits=1)
+    try:
         yield
+    finally:
+        with _Uses.lock:
+            _Uses.count -= 1
+            if not _Uses.count:
+                _Uses.limit.restore_original_limits()

@@ -12,9 +12,6 @@ from .compiled import kernel
 # Added to the normalised Gram matrix, so that pairs which depend on each other to within it do not count twice.
 # 1e-12 to 1e-8 reach the same states, with up to 16 % more and 1 % fewer evaluations (tests/bench/constants.py).
 REGULARISATION = 1e-10
-# Factor of the regularisation from a pair to the next older one, whose tangent is more out of date. 1, no difference,
-# takes 2 to 4 % more evaluations, 3 up to 12 % more.
-FORGET = 1.5
 
 
 class Secants:
@@ -38,7 +35,7 @@ class Secants:
         smooth (array -> array): applied to the part of r outside the span of the pairs; by default it is added as is.
         """
         move, rest, work = np.zeros(r.size), r.copy(), np.empty((self.rows + 2, self.rows))
-        _split(self.du, self.dr, self.gram, self.slot, r, REGULARISATION, FORGET, work, move, rest)
+        _split(self.du, self.dr, self.gram, r, REGULARISATION, work, move, rest)
         move += rest if smooth is None else smooth(rest)
         return move
 
@@ -77,14 +74,14 @@ def _push(du, dr, gram, rows, slot, u, r, u_before, r_before):
 
 
 @kernel
-def _split(du, dr, gram, slot, r, eps, forget, work, move, rest):
+def _split(du, dr, gram, r, eps, work, move, rest):
     """Subtract sum c_j du_j from move and sum c_j dr_j from rest, with the c that minimise |r - sum c_j dr_j|.
 
     work (rows + 2, rows): scratch. An allocation in a kernel would take longer to compile than the rest of it.
     """
     rows = work.shape[1]
     c, scale = work[rows], work[rows + 1]
-    _coefficients(dr, gram, slot, r, eps, forget, work, c, scale)
+    _coefficients(dr, gram, r, eps, work, c, scale)
     for j in range(rows):
         _subtract(move, c[j] * scale[j], du[j])
         _subtract(rest, c[j] * scale[j], dr[j])
@@ -97,7 +94,7 @@ def _subtract(total, c, row):
 
 
 @kernel(fastmath={"reassoc", "contract", "nsz"})
-def _coefficients(dr, gram, slot, r, eps, forget, upper, y, d):
+def _coefficients(dr, gram, r, eps, upper, y, d):
     """Least-squares coefficients y d of r in the rows of dr, by Cholesky of the normalised, regularised Gram matrix."""
     rows = y.size
     for i in range(rows):
@@ -106,7 +103,7 @@ def _coefficients(dr, gram, slot, r, eps, forget, upper, y, d):
     for i in range(rows):
         for j in range(i, rows):
             upper[i, j] = gram[i, j] * d[i] * d[j]
-        upper[i, i] = 1.0 + min(1.0, eps * forget ** ((slot - 1 - i) % dr.shape[0]))
+        upper[i, i] = 1.0 + eps
     for k in range(rows):
         pivot = 1.0 / np.sqrt(max(upper[k, k], eps))
         for j in range(k, rows):

@@ -22,7 +22,7 @@ class Linearised(Protocol):
 
     @property
     def noise(self) -> np.ndarray:
-        """(N,), a random force to which modes of any stiffness respond alike. Needed for N > `RestOptions.most`."""
+        """(N,), a random force to which modes of any stiffness respond alike. Needed for N > `rest.MOST`."""
 
     def product(self, x, layered=None) -> np.ndarray:
         """(J - K) x, (N,), a new array; layered: K x, or None."""
@@ -44,7 +44,7 @@ class Linearised(Protocol):
 
     def inverse(self, solve: Callable, f) -> tuple[np.ndarray, np.ndarray]:
         """(x, K x), (N,) each, with (K - J) x = f. solve: the function from dR/dv w to w; K x is exact even if `solve`
-        is not. Needed for N > `RestOptions.most`."""
+        is not. Needed for N > `rest.MOST`."""
 
     def seen(self, x) -> np.ndarray:
         """The unknowns (size of the problem,) of x, with the sign in which the surface leaves an unstable state.
@@ -53,7 +53,7 @@ class Linearised(Protocol):
         """
 
     def safe_damping(self) -> float:
-        """The damping over critical above which no wave flutters; for `RestOptions.most` < N <= `dense_waves`."""
+        """The damping over critical above which no wave flutters; for `rest.MOST` < N <= `rest.DENSE_WAVES`."""
 
     def waves(self) -> tuple | None:
         """(mu (2, waves) of all modes, shown) if every mode is a wave, else None. shown(i, q): the x of mu[i, q],

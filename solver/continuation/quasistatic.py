@@ -5,17 +5,17 @@ import numpy as np
 from .branch import continue_branch
 from .corrector import Corrector
 from .landing import motion_to_rest
-from .rest import REST, Judge, RestOptions
+from .rest import Judge
 from .state import End, Increment, NotConverged, State, slipped
 
 
 class QuasiStatic:
     """Advances States of one `problem` along its load; keeps only scratch between calls."""
 
-    def __init__(self, problem, damping, closed, rest: RestOptions = REST):
-        """damping: over critical; closed: as of `motion.Motion`; rest: how often a growing mode is searched for."""
+    def __init__(self, problem, damping, closed, far: float | None = None):
+        """damping: over critical; closed: as of `motion.Motion`; far: as of `rest.Judge`."""
         self.problem, self.damping, self.closed = problem, damping, closed
-        self.judge, self.corrector = Judge(damping, rest), Corrector(problem)
+        self.judge, self.corrector = Judge(damping, far), Corrector(problem)
 
     def increment(self, state, target) -> Increment:
         """The Increment from `state` to load `target`, nm; raises NotConverged."""

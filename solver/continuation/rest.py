@@ -23,28 +23,19 @@ from .state import ROUND_OFF, TINY
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
 
 
-@dataclass(frozen=True)
-class RestOptions:
-    """How a growing mode is searched for.
-
-    A growth is compared with twice the decay of the layer's slowest mode, |mu| with k_min, unless the comment differs.
-    """
-
-    # vectors that a search may add; disturbances up to that size have all their mu computed. Searches take fewer than
-    # 30 in the runs of tests/bench/constants.py
-    most: int = 60
-    dense_waves: int = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
-    kept: int = 4  # vectors from which the next search starts: two complex pairs
-    fine: float = 1e-8  # error of a growth where an end is located
-    # growth rates below -clear count as safely stable; none is below -0.5. 0.25 was too lax: on a soft layer (E = 10)
-    # flutter began between two searches
-    clear: float = 0.4
-    # units: no search while the last growth rate is clearly negative and no unknown has moved more than `far` times the
-    # margin since then. Towards a fold, margin and movement shrink as the root of the distance in load
-    far: float = 0.8
-
-
-REST = RestOptions()
+# A growth is compared with twice the decay of the layer's slowest mode, |mu| with k_min, unless the comment differs.
+# Vectors that a search may add; disturbances up to that size have all their mu computed. Searches take fewer than 30 in
+# the runs of tests/bench/constants.py
+MOST = 60
+DENSE_WAVES = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
+KEPT = 4  # vectors from which the next search starts: two complex pairs
+FINE = 1e-8  # error of a growth where an end is located
+# growth rates below -CLEAR count as safely stable; none is below -0.5. 0.25 was too lax: on a soft layer (E = 10)
+# flutter began between two searches
+CLEAR = 0.4
+# units: no search while the last growth rate is clearly negative and no unknown has moved more than FAR times the
+# margin since then. Towards a fold, margin and movement shrink as the root of the distance in load
+FAR = 0.8
 
 
 @dataclass(frozen=True)
@@ -74,19 +65,22 @@ class Mode:
 
 
 class Judge:
-    """Judges the states of a run, under a motion of that damping over critical."""
+    """Judges the states of a run, under a motion of that damping over critical; far: in place of FAR."""
 
-    def __init__(self, damping, options: RestOptions = REST):
-        self.damping, self.options = damping, options
+    def __init__(self, damping, far: float | None = None):
+        self.damping, self.far = damping, FAR if far is None else far
 
     def accept(self, problem, v, last=None) -> Mode:
         """The Mode of an equilibrium v (size,): `last`, that of an earlier state, where no search is needed."""
-        linearised, fits, options = problem.linearised(v), _fits(last, v), self.options
-        near = fits and np.abs(v - last.v).max() < options.far * problem.unit * min(last.margin, 1.0)
-        clear = near and last.growth < -options.clear * self._scale(problem)
-        if clear and (linearised.size > options.dense_waves or self.damping >= linearised.safe_damping()):
+        fits = _fits(last, v)
+        near = fits and np.abs(v - last.v).max() < self.far * problem.unit * min(last.margin, 1.0)
+        if near and last.growth < -CLEAR * self._scale(problem) and self._calm(problem, v, last):
             return last
-        return self._searched(problem, linearised, v, last if fits else None, fine=not fits)
+        return self._searched(problem, problem.linearised(v), v, last if fits else None, fine=not fits)
+
+    def _calm(self, problem, v, last):
+        """Whether no wave can flutter in v, or the size of its disturbances leaves waves to the estimate of a frame."""
+        return last.basis[0][0].size > DENSE_WAVES or self.damping >= problem.linearised(v).safe_damping()
 
     def rightmost(self, problem, v, last=None) -> Mode:
         """The same by a search in any case, to `fine`."""
@@ -99,16 +93,16 @@ class Judge:
         return -2.0 * float(rate(-0.25 * critical**2, self.damping * critical))
 
     def _searched(self, problem, linearised, v, last, fine):
-        critical, options = problem.motion().critical, self.options
+        critical = problem.motion().critical
         friction = self.damping * critical
         if (waves := linearised.waves()) is not None:
             return _of_waves(linearised, *waves, friction)
-        small = linearised.size <= options.most
-        if small or (linearised.size <= options.dense_waves and self.damping < linearised.safe_damping()):
+        small = linearised.size <= MOST
+        if small or (linearised.size <= DENSE_WAVES and self.damping < linearised.safe_damping()):
             return _dense(linearised, friction)
         inverse = Inverse(linearised.tangent, problem.size)
         radius = 5.0 * critical**2  # 20 k_min: pairs of flutter form at 5 to 20 of it
-        search = _Search(linearised, inverse, friction, radius, self._scale(problem), fine, options)
+        search = _Search(linearised, inverse, friction, radius, self._scale(problem), fine)
         return search.mode(v, last.basis if last else ())
 
 
@@ -176,11 +170,11 @@ class _Search:
     It keeps orthonormal disturbances V, their images K V and M V under M = J - K, and V^T M V, GPa/nm.
     """
 
-    def __init__(self, linearised, inverse, friction, radius, scale, fine, options):
+    def __init__(self, linearised, inverse, friction, radius, scale, fine):
         """friction: 1/time; scale: of growths."""
-        self.linearised, self.inverse, self.options = linearised, inverse, options
+        self.linearised, self.inverse = linearised, inverse
         self.friction, self.radius, self.scale, self.fine = friction, radius, scale, fine
-        room = options.kept + 2 + options.most + 4  # the start, noise, the search, and its last step beyond that
+        room = KEPT + 2 + MOST + 4  # the start, noise, the search, and its last step beyond that
         self.v, self.k, self.w = np.empty((3, room, linearised.size))
         self.rows, self.matrix = 0, np.empty((room, room))
 
@@ -191,7 +185,7 @@ class _Search:
         other = self.linearised.noise  # without it, modes of another symmetry would be missed
         for _ in range(2):  # the second solve damps what does not grow
             other = self._respond(other)
-        most, pairs = self.rows + self.options.most, self._pairs()
+        most, pairs = self.rows + MOST, self._pairs()
         while not self._known(pairs):
             rows = self.rows
             for aim in self._aims(pairs):
@@ -228,7 +222,7 @@ class _Search:
         upper = np.flatnonzero(mu.imag >= 0.0)
         upper = upper[np.argsort(inside(mu[upper], friction))]
         mu, vectors = mu[upper], vectors[:, upper]
-        nearest, near = vectors[:, : self.options.kept], np.abs(mu) <= max(self.radius, np.abs(mu).min())
+        nearest, near = vectors[:, :KEPT], np.abs(mu) <= max(self.radius, np.abs(mu).min())
         near |= mu.real > 0.0
         mu, vectors = mu[near], vectors[:, near]
         residuals = vectors.T @ self.w[:n] - (vectors * mu).T @ self.v[:n]
@@ -242,9 +236,9 @@ class _Search:
     def _known(self, pairs):
         """Whether the growth is known well enough."""
         sure = pairs.doubt.max() < 1.0  # a residual larger than the distance from growing proves nothing
-        clear = sure and pairs.growth < -self.options.clear * self.scale
+        clear = sure and pairs.growth < -CLEAR * self.scale
         decided = not self.fine and (sure or pairs.growth > pairs.error)
-        return clear or decided or pairs.error < self.options.fine * self.scale
+        return clear or decided or pairs.error < FINE * self.scale
 
     def _aims(self, pairs):
         """The pairs whose residuals extend the space."""
@@ -257,7 +251,7 @@ class _Search:
         """(basis, margin), as of a Mode, from the vectors nearest to growing."""
         n = len(nearest)
         parts = [part for vector in nearest.T for part in _parts(vector)]
-        basis = np.linalg.qr(np.array(parts[: self.options.kept]).T)[0].T
+        basis = np.linalg.qr(np.array(parts[:KEPT]).T)[0].T
         vectors, layered = basis @ self.v[:n], basis @ self.k[:n]
         onset = np.linalg.solve(vectors @ layered.T, basis @ self.matrix[:n, :n] @ basis.T)
         return tuple(zip(vectors, layered, strict=True)), -float(np.linalg.eigvals(onset).real.max())

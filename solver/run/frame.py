@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..continuation.compiled import kernel
-from ..continuation.rest import REST
+from ..continuation.rest import DENSE_WAVES
 from ..mechanics.flutter import safe_damping
 from ..scene import Scene
 
@@ -104,7 +104,7 @@ class Frame:
     @cached_property
     def safe_damping(self) -> float:
         """The damping over critical above which no wave of the contact can flutter; 0.0 where all modes were judged."""
-        if 2 * self.scene.nodes <= REST.dense_waves:
+        if 2 * self.scene.nodes <= DENSE_WAVES:
             return 0.0
         return safe_damping(self.scene, self.u, self.first)
 

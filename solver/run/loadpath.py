@@ -11,7 +11,6 @@ import numpy as np
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import advanced
-from ..continuation.rest import RestOptions
 from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, Restless, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
@@ -29,7 +28,7 @@ ALL = frozenset({"patch", "translation"})
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
-DRIVEN = RestOptions(far=0.0)
+DRIVEN = 0.0
 
 
 class Checkpoint(NamedTuple):
@@ -164,7 +163,7 @@ class Run:
         scene = self.scene
         problem = step.problem(Contact(scene, *self.patch), checkpoint.pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
-        options = {"rest": DRIVEN} if self._fast and sudden else {}
+        options = {"far": DRIVEN} if self._fast and sudden else {}
         method = METHODS.get(self.method, self.method)
         self.stepper, self._place = method(problem, scene.damping, closed_stiffness(scene), **options), place
         return self.stepper

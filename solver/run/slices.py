@@ -8,10 +8,12 @@ from typing import Any
 
 from ..continuation.state import NotConverged, Outcome
 from ..scene import Scene
+from ..threads import one_thread
 from .frame import Frame
 from .loadpath import ALL, Checkpoint, Run
 
 
+@one_thread()
 def advance(
     scene: Scene,
     checkpoint: Checkpoint | None = None,

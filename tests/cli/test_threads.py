@@ -1,6 +1,7 @@
 """BLAS has one thread while something is computed, and afterwards as many as before."""
 
 import os
+from threading import Thread
 
 import pytest
 from helpers import blas_threads
@@ -46,6 +47,17 @@ def test_blas_threads_are_restored_after_a_failure(two):
             assert blas_threads() == {1}
         assert blas_threads() == {1}
         raise NotConverged
+    assert blas_threads() == {2}
+
+
+def test_the_limit_holds_until_the_last_of_two_threads_has_ended(two):
+    inner = one_thread()
+    with one_thread():
+        other = Thread(target=inner.__enter__)
+        other.start()
+        other.join()
+    assert blas_threads() == {1}
+    inner.__exit__(None, None, None)
     assert blas_threads() == {2}
 
 

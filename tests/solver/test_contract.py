@@ -9,7 +9,7 @@ from solver import Scene
 from solver.continuation.gfmd import Gfmd
 from solver.continuation.problem import Dynamics, Linearised, Problem, Stepper
 from solver.continuation.quasistatic import QuasiStatic
-from solver.continuation.rest import REST
+from solver.continuation.rest import MOST
 from solver.continuation.state import NotConverged, State
 from solver.mechanics.contact import Contact, patch
 from solver.mechanics.equilibrium import Equilibrium
@@ -74,7 +74,7 @@ def members(protocol):
 
 def test_every_problem_has_all_members_of_the_protocol(problem):
     v = state(problem)
-    few = {"noise"} if problem.linearised(v).size <= REST.most else set()
+    few = {"noise"} if problem.linearised(v).size <= MOST else set()
     for part, protocol in (
         (problem, Problem),
         (problem.motion(), Dynamics),
