@@ -231,6 +231,7 @@ class Result:
         return "".join(f"<p>{escape(line)}</p>" for line in self._lines) + _curve(self.scene, self._after)
 
 
+@one_thread()
 def simulate(scene: Scene | None = None, progress: bool = False, load: float | None = None) -> Result:
     """Computes one scene from approach to the end of its path.
 
@@ -242,12 +243,12 @@ def simulate(scene: Scene | None = None, progress: bool = False, load: float | N
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
-    scene = scene or Scene()
+    frames, checkpoint, scene = list[Frame](), None, scene or Scene()
     if load is not None:
-        scene = held_at(scene, load)
-    frames, checkpoint, path = list[Frame](), None, Run(scene).frames()
+        scene, frames, checkpoint = held_at(scene, load)
+    path = Run(scene).frames(checkpoint)
     try:
-        for frame, checkpoint in with_progress(scene, path) if progress else path:  # noqa: B007  the last one counts
+        for frame, checkpoint in with_progress(scene, path, initial=len(frames)) if progress else path:  # noqa: B007  the last one counts
             frames.append(frame)
     except NotConverged as error:
         return ended(scene, frames, error, checkpoint)

@@ -41,7 +41,7 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
     if arguments.load is not None:
-        scene = held_at(scene, arguments.load)
+        scene, *_ = held_at(scene, arguments.load)
         print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {arguments.load:g} N/m")
     before = cautions(scene)
     caution(before)

@@ -8,6 +8,7 @@ several slips, or none where the surface slides smoothly.
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import count
 from math import ceil, floor
 from typing import Any
@@ -77,10 +78,15 @@ class Branch:
         """Load of the last state, nm."""
         return self.states[-1].load
 
-    @property
+    @cached_property
     def loads(self) -> NDArray[np.float64]:
         """Loads of the states, (n,) nm."""
         return np.array([state.load for state in self.states])
+
+    @cached_property
+    def _places(self):
+        """t of the states; over a period the first one counts as the last one, which is left out."""
+        return self.position(self.loads)[: len(self.states) - self.periodic]
 
     @property
     def v(self) -> NDArray[np.float64]:
@@ -130,8 +136,8 @@ class Branch:
 
     def _near(self, load, stencil):
         """(index, weights (k, s), turns (k,)): the states at loads (k,) are weights . v[index], moved on by turns."""
-        n = len(self.states) - self.periodic  # over a period, the first state counts as the last one
-        t, x, size = self.position(self.loads)[:n], self.position(load), min(stencil, n)
+        t, x = self._places, self.position(load)
+        n, size = t.size, min(stencil, t.size)
         first = np.searchsorted(t, x) - size // 2
         if not self.periodic:
             first = np.clip(first, 0, n - size)

@@ -1,25 +1,30 @@
-"""A held load given in N/m: the indentation at which the approach reaches it."""
+"""A held load given in N/m: the indentation at which the approach reaches it, and the run up to there."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from ..continuation.corrector import Corrector
+from ..continuation.state import Point, State
+from ..continuation.trace import Trace
+from ..mechanics.contact import patch
 from ..mechanics.equilibrium import Equilibrium
 from ..scene import LARGEST_RUN, LIMITS, Scene, SceneError
 from ..schema import as_number
+from .frame import Frame
 from .load_steps import sideways
 from .loadpath import Checkpoint, Run
 
 OFF = 1e-6  # nm beyond the increment in which the load is reached: what the tolerance leaves
 
 
-def held_at(scene: Scene, load: float) -> Scene:
+def held_at(scene: Scene, load: float) -> tuple[Scene, list[Frame], Checkpoint]:
     """The Scene that holds a normal load (N/m) during the shear: hold 'load', at the indentation that reaches it.
 
-    The load falls below zero as the surfaces attract each other, and rises as they are pressed together. The
-    indentation is that of the first rise to `load`: from the states of the increment in which it lies, the height of
-    the top is solved for under that load. Raises SceneError where the approach does not reach it.
+    With the Frames of its run before that, and the Checkpoint after them. The load falls below zero as the surfaces
+    attract each other, and rises as they are pressed together. The indentation is that of the first rise to `load`:
+    from the states of the increment in which it lies, the height of the top is solved for under that load.
+    Raises SceneError where the approach does not reach it.
     """
     wanted = as_number(load)
     if not abs(wanted) < float("inf"):
@@ -28,21 +33,54 @@ def held_at(scene: Scene, load: float) -> Scene:
     most = min(LIMITS["delta_bar"].high, 0.999 * scene.height * scene.width / scene.delta_0, longest)
     # `hold` and drive_n are checked by the last line
     run = Run(replace(scene, path="shear", hold="delta", u_x_max=0.0).changed(delta_bar=most))
-    checkpoint, before, least = Checkpoint(), None, 0.0
+    checkpoint, frames, least = Checkpoint(), list[Frame](), 0.0
     while True:
         frame, after = run.next_frame(checkpoint)
-        if before is not None and before.L < wanted <= frame.L:
+        if frames and frames[-1].L < wanted <= frame.L:
             break
         if after.done or after.stage != "approach":
             allowed = f"allowed: {least:.4g} .. {frame.L:.4g} N/m, what the approach reaches"
             raise SceneError("load", load, allowed, "give a load in that range, or a thicker layer")
-        before, checkpoint, least = frame, after, min(least, frame.L)
+        frames.append(frame)
+        checkpoint, least = after, min(least, frame.L)
+    before = frames[-1]
     delta = _under(run, before, frame, wanted)
     if delta is None:
         place = f"delta_bar = {frame.delta / scene.delta_0:.4g}"
         jump = f"the approach jumps from {before.L:.4g} to {frame.L:.4g} N/m at {place}"
         raise SceneError("load", load, jump, "give a load outside that jump")
-    return scene.changed(delta_bar=delta / scene.delta_0, hold="load")
+    held = scene.changed(delta_bar=delta / scene.delta_0, hold="load")
+    return held, *_passed(held, run.stepper.problem, frames, checkpoint)
+
+
+def _passed(scene, problem, frames, checkpoint):
+    """(the Frames, the Checkpoint after them) of an approach under another Scene, on the patch of that."""
+    first, size = patch(scene)
+    part = slice(first, first + size)
+
+    def placed(field):
+        whole = np.zeros((2, scene.nodes))
+        whole[:, problem.contact.part] = field.reshape(2, -1)
+        return whole[:, part].copy()
+
+    def displaced(v, load):
+        return problem.everywhere(v, load)[:, part].copy()
+
+    def read_only(field):
+        field.flags.writeable = False
+        return field
+
+    moved = [
+        replace(f, scene=scene, first=first, u=read_only(displaced(f.u.ravel(), f.delta)), T=read_only(placed(f.T)))
+        for f in frames
+    ]
+    past = [Point(load, displaced(v, load).ravel()) for load, v in checkpoint.state.past]
+    state = State(checkpoint.state.load, past[0].v, past)
+    jumps = tuple(
+        end._replace(v=displaced(end.v, end.load).ravel(), phi=placed(end.phi).ravel(), psi=None)
+        for end in checkpoint.trace.jumps
+    )
+    return moved, Checkpoint(increment=checkpoint.increment, state=state, trace=Trace.of(state, jumps))
 
 
 def _under(run, before, frame, wanted):

@@ -8,7 +8,7 @@ import pytest
 from helpers import same, stage
 from spectrum import growth
 
-from solver import NotConverged, Scene, SceneError, advance, load_path, simulate
+from solver import NotConverged, Scene, SceneError, advance, load_path, simulate, skeleton_from, skeleton_of
 from solver.mechanics.cohesive_law import traction
 from solver.mechanics.layer import Modes
 from solver.run.held_load import held_at
@@ -387,13 +387,25 @@ def test_a_run_that_is_cancelled_goes_on_from_its_checkpoint_as_if_it_had_not_be
 def test_a_held_load_is_found_by_one_solve_whatever_the_increment(load):
     """The approach to the indentation found reaches the load, also with so short an increment that it ends early."""
     for du_z in (0.5, 0.02):
-        scene = held_at(SMALL.changed(du_z=du_z), load)
+        scene, *_ = held_at(SMALL.changed(du_z=du_z), load)
         approach = load_path(scene.changed(hold="delta", u_x_max=0.0))
         *_, last = (frame for frame in approach if frame.stage == "approach")
         assert pytest.approx(load, abs=1e-5) == last.L
 
 
+@pytest.mark.parametrize("load", [10.0, -20.0])
+def test_a_run_under_a_given_load_is_that_from_the_indentation_found(load):
+    """Its approach is computed once, on the nodes that a deep approach would reach."""
+    found = simulate(SMALL.changed(u_x_max=8.0), load=load)
+    again = simulate(found.scene)
+    assert len(found.frames) == len(again.frames) and found.frames[0].scene == found.scene
+    assert all(same(a, b, 1e-6) for a, b in zip(found.frames, again.frames, strict=True))
+    assert [*found.slips["U_x"]] == pytest.approx([*again.slips["U_x"]], abs=1e-5)
+    ways = skeleton_from(found.scene, found.checkpoint), skeleton_of(again.scene)
+    assert [s.load for s in ways[0].slips] == pytest.approx([s.load for s in ways[1].slips], abs=1e-5)
+
+
 def test_a_held_load_of_the_shortest_increments_is_found():
     """The deepest approach would take a million of them."""
     scene = SMALL.changed(du_z=1e-3, E=300.0)
-    assert held_at(scene, -1.0).delta_bar < 1.0
+    assert held_at(scene, -1.0)[0].delta_bar < 1.0
