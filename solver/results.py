@@ -246,9 +246,11 @@ def simulate(scene: Scene | None = None, progress: bool = False, load: float | N
     frames, checkpoint, scene = list[Frame](), None, scene or Scene()
     if load is not None:
         scene, frames, checkpoint = held_at(scene, load)
-    path = Run(scene).frames(checkpoint)
+    path: Iterable[tuple[Frame, Checkpoint]] = Run(scene).frames(checkpoint)
+    if progress:
+        path = with_progress(scene, path, initial=len(frames))
     try:
-        for frame, checkpoint in with_progress(scene, path, initial=len(frames)) if progress else path:  # noqa: B007  the last one counts
+        for frame, checkpoint in path:  # noqa: B007  the last one counts
             frames.append(frame)
     except NotConverged as error:
         return ended(scene, frames, error, checkpoint)
