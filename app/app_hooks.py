@@ -17,12 +17,12 @@ from tornado.ioloop import IOLoop, PeriodicCallback
 from app import lab, routes, server_log
 from app.page import shared
 from app.service import metrics, worker
+from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
 from app.service.stored import row
 from app.session.session import visitors
 from solver import Scene
-from solver.isolated import Lost
 from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two updates of waiting visitors

@@ -17,7 +17,7 @@ round_off, scene                the smallest residual that double precision reso
 text, profile, presets          scenes from text, profiles from files, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem
 mechanics/                      the physics: NP1 law, elastic layer, contact
-threads, isolated, cluster      one BLAS thread; calls with a time limit in other processes, or on a cluster
+threads, executors              one BLAS thread; many calls on an executor of `concurrent.futures`
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
 cautions, plots                 sentences on choices that affect a result; plots
@@ -52,7 +52,7 @@ from .text import scene_from_text
 if TYPE_CHECKING:
     from .analysis.curve_files import read_measurement
     from .analysis.fit import fit
-    from .analysis.maps import Axis, Map, explored
+    from .analysis.maps import Axis, Map, explore_map
     from .analysis.sensitivities import sensitivities
     from .analysis.theory import theory
     from .analysis.toughness import release_rates, toughness
@@ -79,7 +79,7 @@ __all__ = [
     "Work",
     "__version__",
     "advance",
-    "explored",
+    "explore_map",
     "fit",
     "follow",
     "load_path",
@@ -101,7 +101,7 @@ __all__ = [
 LAZY = {  # {name: module}, imported when first asked for: a run does not need them
     "Axis": "maps",
     "Map": "maps",
-    "explored": "maps",
+    "explore_map": "maps",
     "fit": "fit",
     "read_measurement": "curve_files",
     "release_rates": "toughness",

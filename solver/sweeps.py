@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from concurrent.futures import Executor
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from .continuation.state import NotConverged
-from .isolated import outcomes
 from .results import FIRST, first_of
 from .run.loadpath import load_path
 from .run.summary import first_slip
@@ -18,27 +18,25 @@ if TYPE_CHECKING:  # `import solver` needs numerics only
     import pandas as pd
 
 
-def sweep(scene: Scene | None = None, workers: int = 1, **values: Iterable[Any]) -> pd.DataFrame:
+def sweep(scene: Scene | None = None, executor: Executor | None = None, **values: Iterable[Any]) -> pd.DataFrame:
     """Computes the first slip for every combination of parameter values.
 
-    Parameters: scene: what the values change (default: Scene()); workers: processes; values: NAME=[...] of parameters.
+    Parameters: scene: what the values change (default: Scene()); executor: any of `concurrent.futures`, which computes
+    the combinations (default: one after the other, here); values: NAME=[...] of parameters.
     Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm),
     and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
     Raises SceneError (a ValueError) for a name that is no parameter, a value outside its range, and one that path
-    'points' does not use; ValueError for values that are no list, and for workers below 1.
+    'points' does not use; ValueError for values that are no list.
 
-    With workers > 1 processes are started: call it under `if __name__ == "__main__":`.
+    With processes, as of `ProcessPoolExecutor`, call it under `if __name__ == "__main__":`.
 
     Example: `sweep(delta_bar=[0.0, 0.2], phi_ratio=[0.5, 1.0])`
     """
     import pandas as pd
 
-    if workers < 1 or workers != int(workers):
-        raise ValueError(f"workers = {workers!r}: allowed: a whole number from 1; leave it out for one process")
     combinations, scenes = _swept(scene or Scene(), values)
-    found = dict(outcomes(row_of, scenes, workers) if workers > 1 else enumerate(map(row_of, scenes)))
-    rows = [row if isinstance(row, dict) else {"outcome": f"not computed: {row}"} for _, row in sorted(found.items())]
-    rows = [given | row for given, row in zip(combinations, rows, strict=True)]
+    found = map(row_of, scenes) if executor is None else executor.map(row_of, scenes)
+    rows = [given | row for given, row in zip(combinations, found, strict=True)]
     return pd.DataFrame(rows, columns=[*values, *FIRST, "outcome"])
 
 

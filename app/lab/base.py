@@ -12,11 +12,11 @@ import param
 
 from app.lab import back
 from app.on_loop import on_loop
+from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.tasks import Failed, tried
 from app.session.controls import CONTROLS, RANGES, changed_scene
 from solver import Scene
-from solver.isolated import Lost
 from solver.live_plots import Curve, chart, draw
 
 log = logging.getLogger("app")

@@ -18,7 +18,7 @@ AGEING = 6.0
 class Task(Future):
     """A call that a worker makes for an owner.
 
-    Its exception is a `solver.isolated.Lost` if the worker ended before the call. The call may then be repeated, unless
+    Its exception is a `caller.Lost` if the worker ended before the call. The call may then be repeated, unless
     the kind is "error". `slot` is the slot that runs or ran it; `abandoned` is true when nobody waits for it.
     """
 

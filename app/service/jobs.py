@@ -25,13 +25,13 @@ from typing import Any
 
 from app.service import metrics
 from app.service.cache import Cache, size_of
+from app.service.caller import Lost
 from app.service.packing import Frames
 from app.service.pool import HEAVY, LATER, NOBODY, Pool
 from app.service.pool import pool as shared_pool
 from app.service.worker import Part, compute
 from solver import Scene
 from solver.continuation.state import OutOfTime
-from solver.isolated import Lost
 
 CAPACITY = 150e6  # bytes of cached results, about 70 runs and the tables of all pages
 LARGEST = 10e6  # bytes of one cached result: a larger one would displace many that others need

@@ -1,8 +1,8 @@
 """The worker processes that all visitors share. They warm up when the server starts; each slot replaces a lost worker.
 
 Sessions and pages use only `submit` (a pure function of picklable arguments), `abandon`, `position`, `status` and
-`why`. A worker is a process of this machine, or any object with the methods of `solver.isolated.Caller` that this
-module calls: with APP_SCHEDULER it is a worker of a dask cluster (`solver.cluster`).
+`why`. A worker is a process of this machine, or any object with the methods of `app.service.caller.Caller` that this
+module calls: with APP_SCHEDULER it is a worker of a dask cluster (`app.service.cluster`).
 """
 
 import atexit
@@ -18,9 +18,9 @@ from typing import Any
 
 from app.environment import CLUSTER, WORKERS
 from app.service import metrics, worker
+from app.service.caller import Caller, Lost
+from app.service.cluster import Cluster
 from app.service.fair_queue import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, FairQueue, Task
-from solver.cluster import Cluster
-from solver.isolated import Caller, Lost
 
 log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # imports take two thirds of a worker's start

@@ -12,7 +12,6 @@ from typing import NoReturn
 from numba.core.event import Event, Listener, install_listener
 
 from .. import NotConverged, Scene, SceneError, __version__
-from ..isolated import Lost
 from ..presets import presets
 from ..scene import CHOICES, LIMITS, PARAMETERS
 from ..threads import one_thread
@@ -69,7 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         arguments = parser().parse_args(argv)
         with one_thread():
             return arguments.command(arguments)
-    except (InputError, Lost, SceneError) as error:
+    except (InputError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
     except NotConverged as error:

@@ -1,9 +1,11 @@
 """The command `sweep`: the first slip of every combination of parameter values."""
 
 import argparse
+from contextlib import nullcontext
 from typing import Any
 
 from .. import sweep
+from ..executors import processes
 from ..scene import LIMITS, PARAMETERS, Scene
 from ..schema import unknown_name
 from ..text import number_from_text
@@ -26,7 +28,8 @@ def add_sweep(commands: Any) -> None:
 def swept(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes, prints and writes the rows; 1 if a combination has no result."""
     values = {name: _values(name, text) for name, text in settings(arguments.over, "--over", FORM).items()}
-    table = sweep(scene, arguments.workers, **values)
+    with processes(arguments.workers) if arguments.workers > 1 else nullcontext() as executor:
+        table = sweep(scene, executor, **values)
     print(table.to_string(index=False))
     write(arguments.csv, lambda file: table.to_csv(file, index=False, lineterminator="\n"))
     return 0 if table["outcome"].isin(COMPUTED).all() else NOT_CONVERGED

@@ -9,9 +9,9 @@ from clusters import Local
 from helpers import until
 
 from app.service import worker
+from app.service.caller import Caller
 from app.service.pool import Pool
 from solver import Scene
-from solver.isolated import Caller
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
@@ -28,7 +28,7 @@ def local(tmp_path_factory):
 
 @pytest.fixture
 def workers(local, monkeypatch):
-    from solver.cluster import Cluster
+    from app.service.cluster import Cluster
 
     monkeypatch.setattr("app.service.pool.PAUSES", (0.0, 0.2))
     pool = Pool(size=3, make=Cluster(local.address))  # one slot more than there are workers
@@ -59,16 +59,33 @@ def test_cluster_uses_both_workers_and_abandons_a_hanging_task(workers):
     until(lambda: workers.ready == 2)
 
 
-def test_cluster_reports_tracebacks_and_replaces_killed_workers(workers, caplog):
+def test_cluster_reports_tracebacks_and_computes_again_what_a_killed_worker_had(workers, tmp_path):
     error = workers.submit(int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason
-    asked = workers.submit(os.getpid)
-    process = asked.result(PATIENCE)
-    stuck = workers.submit(time.sleep, PATIENCE, seconds=PATIENCE)  # who was free is so again
-    until(stuck.running)
-    os.kill(process, signal.SIGKILL)
-    assert stuck.exception(PATIENCE).kind == "crash"
-    until(lambda: workers.ready == 2)  # a nanny has started another
+
+    def stubborn(path):  # sent by value, as workers cannot import this module
+        if os.path.exists(path):
+            return "the second time"
+        with open(path + ".part", "w") as file:
+            file.write(str(os.getpid()))
+        os.rename(path + ".part", path)
+        time.sleep(600.0)
+
+    asked = workers.submit(stubborn, str(tmp_path / "there"), seconds=PATIENCE)
+    until((tmp_path / "there").exists)
+    os.kill(int((tmp_path / "there").read_text()), signal.SIGKILL)
+    assert asked.result(PATIENCE) == "the second time"
+    assert workers.submit(os._exit, 1, seconds=PATIENCE).exception(PATIENCE).kind == "crash"
+    until(lambda: workers.ready == 2)  # nannies have started others
+
+
+def test_the_items_of_a_generator_are_heard_from_a_cluster(workers):
+    def news(count):
+        yield from range(count)
+        return "end"
+
+    heard = []
+    assert workers.submit(news, 3, hear=heard.append).result(PATIENCE) == "end" and heard == [0, 1, 2]
 
 
 def test_cluster_recovers_when_its_scheduler_restarts(local, workers, monkeypatch):

@@ -9,12 +9,12 @@ from visitor import SHORT, NoPool, whole_run
 
 from app.service import metrics, worker
 from app.service.cache import size_of
+from app.service.caller import Lost
 from app.service.jobs import MOST, Jobs
 from app.service.packing import Frames
 from app.service.pool import HEAVY, LATER, SCREEN
 from app.service.requests import Requests
 from app.service.worker import Part
-from solver.isolated import Lost
 
 CALL = abs, -3
 

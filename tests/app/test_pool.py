@@ -10,15 +10,15 @@ import pytest
 from helpers import until
 from visitor import NoPool
 
+from app.service import caller, worker
 from app.service import pool as pools
-from app.service import worker
 from app.service.cache import Cache, size_of
 from app.service.fair_queue import AGEING
 from app.service.jobs import Jobs
 from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, FairQueue, Pool, Task
 from app.service.worker import compute
-from solver import Scene, isolated, skeleton_of
+from solver import Scene, skeleton_of
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
@@ -52,7 +52,7 @@ def test_an_idle_worker_that_is_killed_is_replaced_at_once():
 
 
 @pytest.mark.thorough
-@pytest.mark.skipif(isolated.START != "forkserver", reason="processes are not forked here")
+@pytest.mark.skipif(caller.START != "forkserver", reason="processes are not forked here")
 def test_workers_are_replaced_after_the_fork_server_is_killed():
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)

@@ -15,7 +15,7 @@ import numpy as np
 from scenes import options, sheared, write
 
 from solver import NotConverged, load_path
-from solver.analysis.maps import Axis, Map, explored
+from solver.analysis.maps import Axis, Map, explore_map
 from solver.analysis.maps.point import touches
 from solver.analysis.maps.run import computed
 from solver.cli.options import scene_of
@@ -99,7 +99,7 @@ def main():
     arguments = parser.parse_args()
     grid = Map(scene_of(arguments.set), Axis.of(arguments.x), Axis.of(arguments.y))
     start = time.perf_counter()
-    points = list(explored(grid, arguments.workers))
+    points = list(explore_map(grid, arguments.workers))
     seconds = time.perf_counter() - start
     rows = list(checked(grid, points, arguments.checks))
     found = summary(points, seconds, rows)

@@ -13,7 +13,8 @@ import pytest
 from exact_interior import inside
 
 import solver
-from solver import Axis, Map, Scene, explored, load_path, plots, read_profile, simulate, summarize, sweep
+from solver import Axis, Map, Scene, explore_map, load_path, plots, read_profile, simulate, summarize, sweep
+from solver.executors import processes
 from solver.files import report_of, write_npz
 from solver.text import counted
 
@@ -77,12 +78,6 @@ def test_a_run_without_a_slip_has_no_first_slip_and_no_pull_off():
 def test_a_misspelt_name_of_a_sweep_is_answered_by_the_one_meant():
     with pytest.raises(ValueError, match=r"; did you mean delta_bar\?$"):
         sweep(SMALL, deltabar=[0.1])
-
-
-@pytest.mark.parametrize("workers", [0, -1, 1.5])
-def test_a_sweep_rejects_less_than_one_process(workers):
-    with pytest.raises(ValueError, match=rf"^workers = {workers}: allowed: a whole number from 1"):
-        sweep(SMALL, workers=workers, delta_bar=[0.1])
 
 
 def test_slips_and_sweeps_show_all_columns_on_80_characters(result):
@@ -160,7 +155,8 @@ def test_a_sweep_has_the_first_slip_of_every_combination_in_order():
 
 
 def test_a_sweep_in_processes_gives_the_same_numbers():
-    alone, spread = (sweep(SMALL, delta_bar=[0.1, 0.2], workers=n) for n in (1, 2))
+    with processes(2) as executor:
+        alone, spread = (sweep(SMALL, place, delta_bar=[0.1, 0.2]) for place in (None, executor))
     assert alone.equals(spread)
 
 
@@ -281,7 +277,7 @@ def test_an_unknown_name_of_the_solver_is_an_attribute_error():
 
 def test_maps_of_the_exported_functions_are_tables_over_both_parameters():
     grid = Map(SMALL, Axis("delta_bar", 0.1, 0.2, 2), Axis("phi_ratio", 0.5, 1.0, 2))
-    table = grid.table(explored(grid)).set_index(["delta_bar", "phi_ratio"])
+    table = grid.table(explore_map(grid)).set_index(["delta_bar", "phi_ratio"])
     first = sweep(SMALL, delta_bar=[0.1, 0.2], phi_ratio=[0.5, 1.0]).set_index(["delta_bar", "phi_ratio"])
     for place, U_s in first["U_s (nm)"].items():
         assert table["U_s"][place] == pytest.approx(U_s, abs=1e-5)  # nm; ends of branches are located to 1e-6

@@ -7,9 +7,9 @@ import pytest
 from helpers import blas_threads
 from threadpoolctl import threadpool_limits
 
+from app.service.caller import ONE_THREAD, Caller
 from solver import NotConverged, Scene, advance, cli, files, load_path, summarize
 from solver.continuation.quasistatic import QuasiStatic
-from solver.isolated import ONE_THREAD, Caller
 from solver.threads import one_thread
 
 SCENE = Scene(surface="flat", phi_ratio=0.1, u_x_max=0.0, du_z=1.0)

@@ -2,13 +2,15 @@
 
 import os
 import signal
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 
 import numpy as np
 from threadpoolctl import threadpool_info
 
+from app.service.caller import Caller, Lost
 from solver import load_path
-from solver.isolated import Lost, outcomes
 
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
@@ -52,6 +54,32 @@ def peculiar(item):
     if item == "hang":
         time.sleep(600.0)
     return item
+
+
+def outcomes(call, items, workers=None, limit=600.0):
+    """Yields (index, call(item) or Lost) in the order of completion, from processes that are replaced when lost."""
+    own = threading.local()
+    callers = []
+
+    def computed(k, item):
+        if getattr(own, "caller", None) is None:
+            own.caller = Caller()
+            callers.append(own.caller)
+        try:
+            return k, own.caller.call(call, item, limit=limit)
+        except Lost as lost:
+            if lost.kind != "error":
+                own.caller = None
+            return k, lost
+
+    with ThreadPoolExecutor(workers or os.cpu_count()) as threads:
+        try:
+            for future in as_completed([threads.submit(computed, k, item) for k, item in enumerate(items)]):
+                yield future.result()
+        finally:
+            threads.shutdown(wait=False, cancel_futures=True)
+            for caller in callers:
+                caller.end()
 
 
 def outcomes_beside_a_hang(call, items, workers, hanging):

@@ -1,6 +1,7 @@
 """Maps of first slips: every point once, from coarse to fine, against exact runs and closed forms of flats."""
 
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -155,10 +156,10 @@ def broken(task):
 
 def test_a_hole_in_a_map_has_a_sentence_as_its_reason(monkeypatch):
     monkeypatch.setattr("solver.analysis.maps.explore.computed_point", broken)
-    points = list(maps.explored(Map(SMALL, replace(PRESS, count=2), replace(RATIO, count=2)), workers=1))
+    points = list(maps.explore_map(Map(SMALL, replace(PRESS, count=2), replace(RATIO, count=2)), ThreadPoolExecutor(1)))
     assert len(points) == 4
     for point in points:
-        assert point.reason.startswith("unexpected error AttributeError: ") and point.reason.count("\n") == 0
+        assert point.reason.startswith("unexpected error AttributeError(") and point.reason.count("\n") == 0
 
 
 def test_a_run_ends_just_beyond_its_first_slip():

@@ -16,8 +16,8 @@ from helpers import outcomes_beside_a_hang, peculiar, until
 from recheck import recheck
 from spectrum import friction, growth
 
+from app.service.caller import Lost
 from solver import NotConverged, Scene, SceneError, load_path
-from solver.isolated import Lost
 from solver.mechanics.cohesive_law import traction
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=8.0)
@@ -173,8 +173,7 @@ def test_a_crashing_or_hanging_call_costs_only_its_process():
 
 KILLED = """
 import sys, time
-from solver.isolated import outcomes
-from helpers import peculiar
+from helpers import outcomes, peculiar
 for k, pid in outcomes(peculiar, ["pid", "hang"], 1, limit=300.0):
     print(pid, flush=True)
 """

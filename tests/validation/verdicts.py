@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 from atlas import Case
+from helpers import outcomes
 from recheck import Recheck, recheck
 from spectrum import growth
 
+from app.service.caller import Lost
 from solver.continuation.state import NotConverged, PulledOff
-from solver.isolated import Lost, outcomes
 from solver.run.frame import Frame
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import load_path
@@ -174,7 +175,7 @@ def atlas(
     progress: Callable[[float], None] = lambda part: None,
     limit: float = LIMIT,
 ) -> list[dict]:
-    """The outcome of every Case, in order, from processes of their own; workers, limit: as of `isolated.outcomes`."""
+    """The outcome of every Case, in order, from processes of their own; workers, limit: as of `helpers.outcomes`."""
     results: list[dict] = [{}] * len(asked)
     for done, (k, outcome) in enumerate(outcomes(assess, asked, workers, limit), start=1):
         lost = isinstance(outcome, Lost)

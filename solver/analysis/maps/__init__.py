@@ -7,9 +7,9 @@ grid     axes, and the map from coarse to fine
 explore  all points of a map, computed in processes
 """
 
-from .explore import explored
+from .explore import explore_map
 from .grid import Axis, Map
 from .point import COLUMNS, REGIMES, Point
 from .task import Outcome, Task, computed_point
 
-__all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Outcome", "Point", "Task", "computed_point", "explored"]
+__all__ = ["COLUMNS", "REGIMES", "Axis", "Map", "Outcome", "Point", "Task", "computed_point", "explore_map"]

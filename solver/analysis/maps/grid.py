@@ -81,7 +81,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Map:
-    """A grid of Points over two parameters of a Scene. It holds no results: see `explored`.
+    """A grid of Points over two parameters of a Scene. It holds no results: see `explore_map`.
 
     Parameters: scene: the values of all other parameters; x, y: the Axes of the map.
     Raises SceneError where both Axes are of one parameter, or the path is one through points.

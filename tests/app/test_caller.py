@@ -2,7 +2,7 @@
 
 import pytest
 
-from solver.isolated import Caller, Lost
+from app.service.caller import Caller, Lost
 
 
 def news(count):

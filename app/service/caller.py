@@ -4,16 +4,13 @@ import os
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from inspect import isgenerator
-from itertools import islice
 from math import inf
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
-from queue import SimpleQueue
-from threading import Event, RLock, Thread, local
+from threading import RLock, Thread
 from time import monotonic
 from traceback import format_exc
 from typing import Any
@@ -23,9 +20,7 @@ ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMB
 # A plain fork copies the locks of threads in whatever state they are. The fork server has one thread, and has imported
 # what `multiprocessing.set_forkserver_preload` names, so a process starts at once. Other systems do not have it.
 START = "forkserver" if sys.platform == "linux" else "spawn"
-LIMIT = 600.0  # s for a call: 15 times what five of the most expensive scenes of tests/bench/box.py take
 TRACEBACK = -6  # the innermost calls that a message shows: enough to find the cause
-RETURN = 30.0  # s to wait for a worker of a cluster to come back
 starting = RLock()
 
 
@@ -38,13 +33,6 @@ class Lost(Exception):
 
     def __str__(self) -> str:
         return self.reason
-
-    @property
-    def sentence(self) -> str:
-        """The reason in one line: of an error, the last line of its traceback."""
-        if self.kind != "error":
-            return self.reason
-        return f"unexpected error {self.reason.strip().splitlines()[-1]}; run this scene alone to see where"
 
 
 class Caller:
@@ -135,104 +123,6 @@ def _prepared():
                 del os.environ[name]
             if file is not None:
                 main.__file__ = file
-
-
-class Callers:
-    """`count` Callers: each makes one call after another, and another one takes over where one is lost.
-
-    make() returns a Caller. If it raises Lost of the kind 'absent', it is called again for RETURN seconds.
-    """
-
-    def __init__(self, make: Callable[[], Any], count: int, call: Callable, limit: float) -> None:
-        self._make, self._call, self._limit = make, call, limit
-        self._threads, self._own, self._over = ThreadPoolExecutor(count), local(), Event()
-        self._callers: list[Any] = []
-        self._ended: SimpleQueue[Future] = SimpleQueue()
-
-    def __enter__(self) -> "Callers":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        """Ends all Callers: the consumer may have left before the last outcome."""
-        self._over.set()
-        self._threads.shutdown(wait=False, cancel_futures=True)
-        for caller in list(self._callers):
-            caller.end()
-        self._threads.shutdown()
-
-    def submit(self, index: int, item: Any) -> None:
-        """Makes call(item) as soon as a Caller is free."""
-        self._threads.submit(self._outcome, index, item).add_done_callback(self._ended.put)
-
-    def completed(self) -> tuple[int, Any]:
-        """(index, result or Lost) of the call that ends next; raises Lost where no Caller can be made."""
-        index, result = self._ended.get().result()
-        if getattr(result, "kind", "") == "absent":
-            raise result
-        return index, result
-
-    def _outcome(self, index, item):
-        """Runs in a thread, which has its own Caller and makes another one for each that is lost."""
-        own = self._own
-        try:
-            if getattr(own, "caller", None) is None:
-                own.caller = self._made()
-                self._callers.append(own.caller)
-                if self._over.is_set():  # too late to be ended with the others
-                    own.caller.end()
-            return index, own.caller.call(self._call, item, limit=self._limit)
-        except Lost as lost:
-            if lost.kind not in ("error", "absent"):
-                own.caller.end()
-                own.caller = None
-            return index, lost
-
-    def _made(self):
-        due = monotonic() + RETURN
-        while True:
-            try:
-                return self._make()
-            except Lost:
-                if monotonic() > due or self._over.wait(1.0):
-                    raise
-
-
-def outcomes(
-    call: Callable, items: Iterable[Any], workers: int | str | None = None, limit: float = LIMIT
-) -> Iterator[tuple[int, Any]]:
-    """Yields (index, call(item) or Lost) in the order of completion; call importable, items picklable.
-
-    items: taken one by one as processes become free, so that an item may depend on the outcomes before. workers: the
-    number of processes on this machine (None: one for each core), or the address of a dask cluster's scheduler; then
-    raises Lost. limit: s for each call.
-    """
-    with _makers(workers) as (make, count), Callers(make, count, call, limit) as callers:
-        left, running = enumerate(items), 0
-        while True:
-            for index, item in islice(left, count - running):
-                callers.submit(index, item)
-                running += 1
-            if not running:
-                return
-            yield callers.completed()
-            running -= 1
-
-
-@contextmanager
-def _makers(workers):
-    """(function that makes a Caller, or another object with its methods; how many calls at a time)."""
-    if not isinstance(workers, str):
-        yield Caller, workers or os.cpu_count() or 1
-        return
-    from .cluster import Cluster  # it imports this module
-
-    cluster = Cluster(workers)
-    try:
-        yield cluster, cluster.count()
-    except Lost as lost:  # of the kind 'absent'
-        raise Lost("absent", f"scheduler {workers}: {lost}; start it, and run again") from None
-    finally:
-        cluster.close()
 
 
 def _serve(pipe):

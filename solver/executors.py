@@ -1,0 +1,49 @@
+"""Many calls on any `concurrent.futures.Executor`: processes of this machine, or a cluster with an executor of its own.
+
+For dask that is `distributed.Client(address).get_executor()`.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from itertools import islice
+from multiprocessing import get_context
+from typing import Any
+
+
+def processes(count: int | None = None) -> ProcessPoolExecutor:
+    """An executor of `count` processes, by default one for each core; a fork would copy the locks of threads."""
+    return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+
+
+def outcomes(
+    call: Callable, items: Iterable[Any], executor: Executor, ahead: int | None = None
+) -> Iterator[tuple[Any, Any]]:
+    """Yields (item, call(item) or the exception that it raised) in the order of completion.
+
+    items: taken one by one as calls end, so that one may depend on the outcomes before. ahead: how many calls the
+    executor has at a time, by default as many as there are cores.
+    """
+    left, running = iter(items), dict[Future, Any]()
+    try:
+        while True:
+            for item in islice(left, (ahead or os.cpu_count() or 1) - len(running)):
+                running[_submitted(executor, call, item)] = item
+            if not running:
+                return
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield running.pop(future), future.exception() or future.result()
+    finally:  # whoever asked may have left before the last one
+        for future in running:
+            future.cancel()
+
+
+def _submitted(executor, call, item):
+    """The Future of a call; it has failed where an earlier call has ended the executor's process."""
+    try:
+        return executor.submit(call, item)
+    except BrokenExecutor as error:
+        failed = Future[Any]()
+        failed.set_exception(error)
+        return failed
