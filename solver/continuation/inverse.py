@@ -87,8 +87,8 @@ class Solves:
             if np.linalg.norm(r) <= 10.0 * wanted:  # a digit is worth less than factors
                 return x, r
             self._lu = self._factors()
-        x = lu_solve(self._lu, f, trans=int(transposed), check_finite=False)
-        x = x + lu_solve(self._lu, f - product(x), trans=int(transposed), check_finite=False)
+        x = self._direct(f, transposed)
+        x = x + self._direct(f - product(x), transposed)
         return x, f - product(x)
 
     def _inverse(self, transposed, size):
@@ -108,12 +108,37 @@ class Solves:
         return np.append(self.linearised.transposed(x[:-1]) + x[-1] * self.row, self.column @ x[:-1])
 
     def _factors(self):
+        """The factors of M without the unknowns that do not act: these follow from the others, as M x = -x there."""
         A = self.linearised.matrix()
         if A is None:
             raise np.linalg.LinAlgError("a linear solve does not converge, and is too large for LAPACK")
+        inside = self.linearised.acting
         if self.column is not None:
-            A = np.block([[A, self.column[:, None]], [self.row[None], np.zeros((1, 1))]])
-        return lu_factor(A, check_finite=False)
+            row = self.row + self.linearised.transposed(_without(self.row, inside))
+            corner = self.column @ _without(self.row, inside)
+            A = np.block([[A, self.column[inside, None]], [row[None, inside], corner]])
+            inside = np.append(inside, self.row.size)
+        return lu_factor(A, check_finite=False), inside
+
+    def _direct(self, f, transposed):
+        """x by the factors, without the little that unknowns do which do not act."""
+        factors, inside = self._lu
+        outside = _without(f, inside)
+        if transposed:  # the others' rows pass on what the outer ones bear
+            f = f + self._transposed(outside) + outside
+        elif self.column is not None:
+            f = f + self._product(outside) + outside
+        x = np.zeros_like(f)
+        x[inside] = lu_solve(factors, f[inside], trans=int(transposed), check_finite=False)
+        passed = _without((self._transposed if transposed else self._product)(x), inside)
+        return x + passed - outside
+
+
+def _without(x, inside):
+    """A copy of x, zero at these indices."""
+    out = x.copy()
+    out[inside] = 0.0
+    return out
 
 
 @kernel

@@ -39,8 +39,12 @@ class Linearised(Protocol):
     def slopes(self, right, left) -> np.ndarray:
         """The derivative of <left, dR/dv right> by the unknowns, (size of the problem,), a new array."""
 
+    @property
+    def acting(self) -> np.ndarray:
+        """Indices (k,) of unknowns, in order; R depends on each of the others only by -1 in its own row, nearly."""
+
     def matrix(self) -> np.ndarray | None:
-        """dR/dv, dense, or None where it is too large to be factorised."""
+        """dR/dv of the `acting` unknowns, (k, k), or None where it is too large to be factorised."""
 
     def inverse(self, solve: Callable, f) -> tuple[np.ndarray, np.ndarray]:
         """(x, K x), (N,) each, with (K - J) x = f. solve: the function from dR/dv w to w; K x is exact even if `solve`

@@ -13,6 +13,7 @@ from .cohesive_law import add_product, alike
 from .flutter import safe_friction
 
 FORMED = 1200  # nodes up to which a tangent is formed; for more, iterative solves take less time
+ACTING = 1e-8  # of the stiffest node; a solve leaves out softer ones, which are far apart, and corrects that once
 
 
 class Linearised:
@@ -85,17 +86,28 @@ class Linearised:
         change -= self.contact.tangents(self.u - h * way)
         return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
 
+    @property
+    def acting(self) -> np.ndarray:
+        """As of `continuation.problem`: unknowns of nodes with a stiffness above ACTING, and the height."""
+        nodes = self._acting_nodes()
+        return np.concatenate((nodes, nodes + self.m, np.arange(2 * self.m, self.problem.size)))
+
+    def _acting_nodes(self):
+        stiffness = np.abs(self.J).max(axis=0)
+        return np.flatnonzero(stiffness > ACTING * stiffness.max())
+
     def matrix(self) -> np.ndarray | None:
-        """dR/dv, dense; None of more than FORMED nodes."""
-        if self.m > FORMED:
+        """As of `continuation.problem`; None of more than FORMED nodes."""
+        nodes = self._acting_nodes()
+        if nodes.size > FORMED:
             return None
-        nodes, kernels, J = np.arange(self.m), self.contact.modes.kernels, self.J
+        kernels, J = self.contact.modes.kernels, self.J[:, nodes]
         xx, zz, xz = kernels[:, np.subtract.outer(nodes, nodes) % kernels.shape[1]]
         CJ = np.block([[xx * J[0] + xz * J[2], xx * J[1] + xz * J[3]], [zz * J[2] - xz * J[0], zz * J[3] - xz * J[1]]])
-        tangent = CJ - np.eye(2 * self.m)
+        tangent = CJ - np.eye(2 * nodes.size)
         if not self.problem.held:
             return tangent
-        column, rise = np.repeat([0.0, 1.0], self.m), self.scale * self.J[2:].ravel()
+        column, rise = np.repeat([0.0, 1.0], nodes.size), self.scale * J[2:].ravel()
         return np.block([[tangent, column[:, None]], [rise, 0.0]])
 
     def product(self, x, layered=None) -> np.ndarray:

@@ -109,6 +109,10 @@ class Disturbed:
         J = self.problem.J
         return np.array([left @ (J(self.v + e) - J(self.v - e)) @ right for e in beside]) / (2e-4 * self.problem.k)
 
+    @property
+    def acting(self):
+        return np.arange(len(self.matrix()))
+
     def matrix(self):
         return self._matrix / self.problem.k
 

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from toys import CUBIC, Node, Toy, cubic, lattice, spiral
 
+from solver import Scene
 from solver.continuation.branch import continue_branch
 from solver.continuation.corrector import Corrector
 from solver.continuation.fold import FoldOptions, fold_near
@@ -21,6 +22,7 @@ from solver.continuation.replay import advanced
 from solver.continuation.rest import Judge
 from solver.continuation.state import End, NotConverged, Point, State
 from solver.continuation.trace import FEWEST_STATES, STATES, Branch, Trace, lagrange
+from solver.run.loadpath import Run
 
 A, PERIOD = 1.0, 2.4
 Q = 2.0 * np.pi / PERIOD
@@ -697,6 +699,23 @@ def test_dense_solves_replace_iterations_that_do_not_converge():
     matrix, f = toy.linearised(v).matrix(), np.array([1.0, 2.0])
     assert matrix @ solves(f) == pytest.approx(f, abs=1e-12)
     assert matrix.T @ solves(f, transposed=True) == pytest.approx(f, abs=1e-12)
+
+
+@pytest.mark.parametrize("transposed", [False, True])
+@pytest.mark.parametrize("bordered", [False, True])
+@pytest.mark.parametrize("hold", ["delta", "load"])
+def test_dense_solves_leave_out_what_does_not_act(hold, bordered, transposed):
+    """Nodes far from the contact follow from the others: the solution is that of all unknowns, found by iterations."""
+    scene = Scene(nodes=128, width=320.0, radius=1.0, delta_bar=0.2, u_x_max=1.0, hold=hold)
+    run = Run(scene)
+    *_, (_, checkpoint) = run.frames()
+    here = run.stepper.problem.linearised(checkpoint.state.v)
+    column, row, f = np.random.default_rng(1).normal(size=(3, here.problem.size))
+    border = (column, row) if bordered else (None, None)
+    f = np.append(f, 1.0) if bordered else f
+    assert 10 < here.acting.size < 0.9 * here.problem.size
+    direct, iterated = (Solves(here, *border, accuracy=1e-9, most=most)(f, transposed) for most in (1, 2000))
+    assert direct == pytest.approx(iterated, abs=1e-7 * np.abs(iterated).max())
 
 
 @pytest.mark.parametrize("kind", [list, tuple, np.array])
