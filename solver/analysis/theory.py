@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize.elementwise import find_root
 from scipy.special import j0, j1
 
 from ..mechanics.layer import Modes
@@ -52,13 +53,10 @@ def theory(scene: Scene) -> tuple[Theory, ...]:
     return _punch(scene, slides) if scene.surface == "circular" and scene.nu >= 0.25 else ()
 
 
-def _zero(f, low, high):
-    """The zeros of increasing functions, given as one of arrays, between low and high; high where there is none."""
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        below = f(middle) < 0.0
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return high
+def _zero(f, low, high, *given):
+    """The zeros of increasing f(x, *given), arrays of one shape, between low and high; high where there is none."""
+    found = find_root(f, (low, high), args=given)
+    return np.where(found.success, found.x, high)
 
 
 def _flat(scene):
@@ -88,7 +86,8 @@ def _node(scene, u):
     springs = pi**0.5 * scene.delta_t / a * (1.0 + 2.0 * (weight * np.cos(wave * u)).sum(axis=0))
     sheared = 4.0 * pi**1.5 * scene.phi_t * scene.delta_t / a**2 * (M * weight * np.sin(wave * u)).sum(axis=0)
     depth, pull = scene.delta / scene.delta_n, C_n * scene.phi_n / scene.delta_n**2 * springs
-    n = _zero(lambda n: n + depth + pull * n * np.exp(-n), np.full(u.shape, -max(depth, 0.0)), np.ones(u.shape))
+    low, high = np.full(u.shape, -max(depth, 0.0)), np.ones(u.shape)
+    n = _zero(lambda n, pull: n + depth + pull * n * np.exp(-n), low, high, pull)
     return sheared * np.exp(-n) * (1.0 + n if scene.law == "xu-needleman" else 1.0), n
 
 
@@ -155,7 +154,8 @@ def _maugis(contact, gamma, pull, number, widest):
     s = (np.arange(DRAWN)[:, None] + 0.5) / DRAWN * zone
     strips = np.interp(np.sqrt((m * a) ** 2 - s**2), contact.t, contact.flat).mean(axis=0)
     delta, slope = np.interp(a, contact.t, contact.round) - 2.0 * pull * zone * strips, contact.E / (2.0 * contact.R)
-    r = _zero(lambda r: slope * r - 2.0 * pull / pi * np.arctan2(zone, r), np.zeros(a.shape), a)  # sqrt(a^2 - x^2)
+    # r = sqrt(a^2 - x^2)
+    r = _zero(lambda r, zone: slope * r - 2.0 * pull / pi * np.arctan2(zone, r), np.zeros(a.shape), a, zone)
     stable = slice(int(np.argmin(delta)) if delta.size else 0, None)
     load = 0.5 * pi * slope * a**2 - 2.0 * pull * zone
     return delta[stable], 2.0 * np.sqrt(a**2 - r**2)[stable], load[stable]
@@ -170,11 +170,11 @@ def _griffith(scene, contact, load):
     round, flat, sheared = (np.interp(a, contact.t, each) for each in (contact.round, contact.flat, contact.sheared))
     N = (round - scene.delta) / flat if load is None else pi * contact.E * a**2 / (4.0 * contact.R) - load
 
-    def excess(psi):
+    def excess(psi, N=N, a=a):
         return N - np.sqrt(2.0 * pi * contact.E * a * np.interp(psi, ANGLES, gammas)) * np.cos(psi)
 
     held = (N > 0.0) & (excess(0.0) <= 0.0) & (excess(ANGLES[-1]) >= 0.0)
-    psi = _zero(excess, np.zeros(a.shape), np.full(a.shape, ANGLES[-1]))
+    psi = _zero(excess, np.zeros(a.shape), np.full(a.shape, ANGLES[-1]), N, a)
     U_x, A = sheared * N * np.tan(psi), 2.0 * np.sqrt(np.maximum(a**2 - 2.0 * contact.R * N / (pi * contact.E), 0.0))
     U_x, A = np.append(0.0, U_x[held][::-1]), np.append(A[held][-1:], A[held][::-1])
     rises = U_x > np.append(-1.0, np.maximum.accumulate(U_x)[:-1])  # up to the fold; interpolation may turn round

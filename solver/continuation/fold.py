@@ -7,7 +7,7 @@ g = 0; they use one such matrix while the state hardly moves.
 Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibria, doi:10.1137/1.9780898719543, ch. 3.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,7 @@ class FoldOptions:
     # of the linear solves: a step leaves that part of the error. 1e-3 takes as many evaluations, in fewer steps
     accuracy: float = 1e-2
     alike: float = 0.05  # units from where the matrix was formed, within which it serves: steps then gain a digit
+    reach: float = 1.5  # units from the guess: beyond, it is another fold
     products: int = PRODUCTS  # most products of iterative solves with one matrix, before it is factorised
 
 
@@ -83,6 +84,8 @@ def _search(problem, guess, options):
             found = End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
             return found if matrix.slopes @ phi > 0.0 else None  # else the load has a minimum there
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
+            if matrix is not None and matrix.solves.direct:  # iterations would fail again
+                options = replace(options, products=0)
             matrix = Bordered(problem, v, phi, psi, options)
             phi, psi, g = matrix.phi, matrix.psi, matrix.g
         else:
@@ -92,7 +95,7 @@ def _search(problem, guess, options):
         # from longer steps punches reached the folds of other branches
         part = min(1.0, 0.3 * unit / max(last[1], TINY))
         v, load = v + part * dv, load + part * ds
-        if not np.abs(v - guess.v).max() <= 1.5 * unit:  # beyond, it is another fold; nan fails it too
+        if not np.abs(v - guess.v).max() <= options.reach * unit:  # nan fails it too
             return None
     return None
 

@@ -8,6 +8,7 @@ Under a held load the height of the top is the last unknown.
 
 import numpy as np
 
+from ..continuation.compiled import kernel
 from ..continuation.state import TINY
 from .cohesive_law import add_product, alike
 from .flutter import safe_friction
@@ -102,9 +103,8 @@ class Linearised:
         if nodes.size > FORMED:
             return None
         kernels, J = self.contact.modes.kernels, self.J[:, nodes]
-        xx, zz, xz = kernels[:, np.subtract.outer(nodes, nodes) % kernels.shape[1]]
-        CJ = np.block([[xx * J[0] + xz * J[2], xx * J[1] + xz * J[3]], [zz * J[2] - xz * J[0], zz * J[3] - xz * J[1]]])
-        tangent = CJ - np.eye(2 * nodes.size)
+        tangent = np.empty((2 * nodes.size, 2 * nodes.size))
+        _form(nodes, *kernels, J, tangent)
         if not self.problem.held:
             return tangent
         column, rise = np.repeat([0.0, 1.0], nodes.size), self.scale * J[2:].ravel()
@@ -184,3 +184,17 @@ class Linearised:
         k, J = self.contact.modes.stiffness.copy(), self.J[:, 0]
         k[1, 0] = self.surface.stiffness[1, 0]  # none under a held load
         return np.array([[J[0] - k[0], J[1] + 1j * k[2]], [J[2] - 1j * k[2], J[3] - k[1]]])
+
+
+@kernel
+def _form(nodes, C_xx, C_zz, C_xz, J, out):
+    """Fill out (2 m, 2 m) with C J - 1 of m nodes; NumPy takes eight times as long to gather C."""
+    m, n = nodes.size, C_xx.size
+    for i in range(m):
+        for j in range(m):
+            apart = (nodes[i] - nodes[j]) % n
+            xx, zz, xz = C_xx[apart], C_zz[apart], C_xz[apart]
+            out[i, j], out[i, m + j] = xx * J[0, j] + xz * J[2, j], xx * J[1, j] + xz * J[3, j]
+            out[m + i, j], out[m + i, m + j] = zz * J[2, j] - xz * J[0, j], zz * J[3, j] - xz * J[1, j]
+        out[i, i] -= 1.0
+        out[m + i, m + i] -= 1.0
