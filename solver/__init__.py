@@ -21,7 +21,7 @@ threads, executors              one BLAS thread; many calls on an executor of `c
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
 cautions, plots                 sentences on choices that affect a result; plots
-analysis/                       derivatives, fits, maps, stress inside the layer, energy balance, laws of friction
+analysis/                       derivatives, fits, maps, stress inside the layer, work of the stage, laws of friction
 results, sweeps                 a run as tables and plots; the first slips of many scenes
 accuracy/                       error against run time of one scene
 files                           the files of a run: CSV, NPZ, JSON
@@ -31,7 +31,7 @@ cli/                            the command line
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .analysis.energy_balance import Work, work_of
+from .analysis.work import work_of
 from .continuation.state import NotConverged
 from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
@@ -76,7 +76,6 @@ __all__ = [
     "SceneError",
     "Skeleton",
     "SlipEvent",
-    "Work",
     "__version__",
     "advance",
     "explore_map",

@@ -17,8 +17,8 @@ from numba.core.event import Listener, install_listener
 
 from app.service.packing import Frames, packed
 from solver import NotFollowed, Scene, advance, skeleton_from
-from solver.analysis.energy_balance import work_of
 from solver.analysis.interior import transfer
+from solver.analysis.work import work_of
 from solver.continuation.state import Outcome
 from solver.run.frame import largest_overlap, largest_safe_damping
 from solver.run.load_steps import load_steps_of
@@ -173,7 +173,7 @@ def _works(scene, frames, last):
         return [0.0] * len(frames), None
     before, done = last or (None, 0.0)
     previous = [before] if before else []
-    works = done + work_of(previous + frames).top[len(previous) :]
+    works = done + work_of(previous + frames)[len(previous) :]
     return works, (frames[-1], works[-1])
 
 

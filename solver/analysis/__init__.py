@@ -11,5 +11,5 @@ marks                          values of a parameter at which the behaviour chan
 maps/                          the first slip and its regime over two parameters
 peeling                        edges of contact and how far they peeled
 theory, toughness              closed forms to draw over a run; edges of the contact as crack tips
-energy_balance                 work put in, stored and dissipated
+work                           of the stage
 """

@@ -33,7 +33,6 @@ class Onset:
     F: np.ndarray  # (k,) F_bar
     A: np.ndarray  # (k,) A_bar
     L: np.ndarray  # (k,) L_bar
-    A_nodes: float  # A_bar of the last increment before the slip, from the number of nodes under repulsion
 
 
 def onset(scene) -> Onset:
@@ -53,7 +52,7 @@ class Search:
     """The state of a search for an onset, picklable; outcome: the Onset, or None as long as the search goes on."""
 
     checkpoint: Checkpoint | None = None
-    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar, A_bar by the count of nodes) in shear
+    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar) in shear
     end: float = 0.0  # nm, where the search ends without a slip
     outcome: Onset | None = None
 
@@ -63,11 +62,10 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
     frames, checkpoint = advance(_longest(scene), search.checkpoint, budget, limit=limit)
     rows, end = list(search.rows), search.end or max(scene.u_x_max, reach(scene))
     for frame in (frame for frame in frames if frame.stage == "shear"):
-        nodes = np.count_nonzero(frame.T[1] > 0.0) / scene.nodes
         if slips := slips_in(frame):
             at = slips[0]
-            return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar, nodes)], True))
-        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar, nodes))
+            return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar)], True))
+        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
         springs = float(np.exp(-frame.gap / scene.delta_n).sum()) / scene.nodes
         strength = tau_max(scene) * springs  # the springs' mean there
         end = max(end, reach(scene, strength))
@@ -79,9 +77,9 @@ def search_on(scene, search, budget=0.1, limit=inf) -> Search:
 
 
 def _onset(rows, slipped):
-    U, F, A, L, nodes = np.array(rows).T.copy()
+    U, F, A, L = np.array(rows).T.copy()
     end = (float(U[-1]), float(F[-1]), float(A[-1])) if slipped else (None, None, None)
-    return Onset(*end, float(A[0]), U, F, A, L, float(nodes[-2:][0] if slipped else nodes[-1]))
+    return Onset(*end, float(A[0]), U, F, A, L)
 
 
 def reach(scene, strength=None) -> float:

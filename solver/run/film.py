@@ -9,7 +9,7 @@ from ..continuation.state import State
 from ..continuation.trace import SAME_STATE
 from ..scene import Scene
 from .frame import Frame, frame_of
-from .loadpath import ALL, Checkpoint, Run, deadline
+from .loadpath import Checkpoint, Run, deadline
 
 
 def through(scene: Scene, checkpoint: Checkpoint, most: int = 60, limit: float = inf) -> tuple[list[Frame], Frame]:
@@ -19,7 +19,7 @@ def through(scene: Scene, checkpoint: Checkpoint, most: int = 60, limit: float =
     next equilibrium, at even distances of the node that moves most. There are none if the branch does not end.
     limit: s of processor time. Raises NotConverged.
     """
-    run, camera, moving = Run(scene, leave_out=ALL - {"translation"}), Camera(deadline(limit)), []
+    run, camera, moving = Run(scene, replay=False), Camera(deadline(limit)), []
     end, _ = run.next_frame(checkpoint, camera)
     states = [state for slip in run.done.slips for state in camera.film(run.stepper.problem, slip)]
     for problem, v, load in _evenly(states, most):

@@ -1,6 +1,6 @@
 """The experiment as a sequence of Frames along the load steps of its path; from Checkpoints in between."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import inf
 from time import perf_counter, thread_time
 from types import MappingProxyType
@@ -21,10 +21,6 @@ from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
 METHODS: Mapping[str, Callable[..., Any]] = MappingProxyType({"fast": QuasiStatic, "gfmd": Gfmd})
-# Computations that a run may leave out; frames agree to the tolerance with and without one.
-# patch: nodes that springs do not reach. translation: sliding repeats itself after a lattice period, so known states
-# are moved on and verified.
-ALL = frozenset({"patch", "translation"})
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
@@ -48,19 +44,17 @@ class Checkpoint(NamedTuple):
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
 
 
-def load_path(
-    scene: Scene, method: str | Callable[..., Any] = "fast", leave_out: Collection[str] = ALL
-) -> Iterator[Frame]:
+def load_path(scene: Scene, method: str | Callable[..., Any] = "fast", replay: bool = True) -> Iterator[Frame]:
     """Computes the increments of a scene, one by one.
 
-    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; leave_out: what the fast method may
-    leave out, of ALL.
+    Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; replay: whether the fast method moves known states
+    on by lattice periods where sliding repeats itself, and verifies them.
     Returns an iterator of Frames.
     Raises NotConverged where an increment has no equilibrium in reach, ValueError for a name not in METHODS.
 
     Example: `next(load_path(Scene())).L`
     """
-    yield from (frame for frame, _ in Run(scene, method, leave_out).frames())
+    yield from (frame for frame, _ in Run(scene, method, replay).frames())
 
 
 def until(
@@ -99,11 +93,11 @@ class Run:
     Attributes: patch, (first node, nodes); stepper, the one in use; done, the Increment that the last frame shows.
     """
 
-    def __init__(self, scene, method="fast", leave_out=ALL):
+    def __init__(self, scene, method="fast", replay=True):
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
-        self.scene, self.method, self.leave_out = scene, method, leave_out
-        self._fast, self.patch = method == "fast", patch(scene) if "patch" in leave_out else (0, scene.nodes)
+        self.scene, self.method, self.replay = scene, method, replay
+        self._fast, self.patch = method == "fast", patch(scene)
         self.stepper = self.done = self._place = None  # _place: load step and pressure that the stepper is for
 
     def frames(self, checkpoint=None, limit=inf, observe=None) -> Iterator[tuple[Frame, Checkpoint]]:
@@ -141,7 +135,7 @@ class Run:
 
         After a slip that may be a later one: there is no frame at the loads before. Beyond the last, that one shows it.
         """
-        repeats = self._fast and "translation" in self.leave_out and not step.loading.direction[1]
+        repeats = self._fast and self.replay and not step.loading.direction[1]
         load, slips, spacing = step.at(index), (), self.scene.spacing if repeats else None
         try:
             done, trace = advanced(self.stepper, state, load, trace, spacing)

@@ -1,6 +1,6 @@
 """A run in slices: a few Frames at a time, each slice from the Checkpoint of the one before."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from math import inf
 from threading import local
 from time import perf_counter
@@ -10,7 +10,7 @@ from ..continuation.state import NotConverged, Outcome
 from ..scene import Scene
 from ..threads import one_thread
 from .frame import Frame
-from .loadpath import ALL, Checkpoint, Run
+from .loadpath import Checkpoint, Run
 
 
 @one_thread()
@@ -19,13 +19,13 @@ def advance(
     checkpoint: Checkpoint | None = None,
     budget: float = 0.04,
     method: str | Callable[..., Any] = "fast",
-    leave_out: Collection[str] = ALL,
+    replay: bool = True,
     limit: float = inf,
 ) -> tuple[list[Frame], Checkpoint]:
     """Computes a slice of a run: a pure function of picklable arguments, for use in a worker.
 
     Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
-    method: a name in METHODS; leave_out: as of `load_path`; limit: processor time of an increment.
+    method: a name in METHODS; replay: as of `load_path`; limit: processor time of an increment.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.outcome says how, and checkpoint.failure names the load and a remedy.
     Raises ValueError for a method that is not in METHODS.
@@ -36,7 +36,7 @@ def advance(
     frames: list[Frame] = []
     end = perf_counter() + budget
     try:
-        for frame, after in _run_of(scene, method, leave_out).frames(checkpoint, limit):
+        for frame, after in _run_of(scene, method, replay).frames(checkpoint, limit):
             frames.append(frame)
             checkpoint = after
             if perf_counter() > end:

@@ -11,7 +11,7 @@ from app.service import packing, tasks
 from app.session.controls import values_of
 from app.session.share import python_lines
 from solver import Scene, load_path
-from solver.analysis.energy_balance import work_of
+from solver.analysis.work import work_of
 from solver.presets import presets
 
 SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
@@ -41,7 +41,7 @@ def test_exported_files_and_python_lines_repeat_the_run_on_screen(page):
 def test_work_of_a_loop_does_not_depend_on_slicing(page):
     scene = SHORT.changed(path="loop", u_x_max=4.0)
     frames = list(load_path(scene))
-    expected = work_of(frames).top
+    expected = work_of(frames)
     works = []
     for piece in slices(scene, 0.005):
         for block in piece.blocks:

@@ -28,7 +28,6 @@ from solver.mechanics.equilibrium import Equilibrium
 from solver.mechanics.layer import Convolution, Transform
 from solver.presets import preset
 from solver.run.load_steps import vertical
-from solver.run.loadpath import ALL
 
 PRESETS = {
     "Fig. 6": preset("fig6").scene,
@@ -41,18 +40,17 @@ PRESETS = {
     "low friction": Scene(phi_ratio=0.05),
     "high friction": Scene(phi_ratio=2.0),
 }
-SOLVED = ALL - {"translation"}
 SLIPS = 3  # that gfmd has to compute
 RUNS = 5
 SIZES = (512, 1024, 2048, 4096, 8192, 16384)
 
 
-def timed(scene, method="fast", leave_out=ALL, runs=RUNS):
+def timed(scene, method="fast", replay=True, runs=RUNS):
     """(frames, median seconds) of whole runs."""
     seconds = []
     for _ in range(runs):
         start = time.perf_counter()
-        frames = list(load_path(scene, method, leave_out))
+        frames = list(load_path(scene, method, replay))
         seconds.append(time.perf_counter() - start)
         if sum(seconds) > 20.0:
             break
@@ -78,7 +76,7 @@ def force_error(scene, frames, reference):
 def measured(name, scene, quick):
     """One row of the table."""
     reused, t_reused = timed(scene)
-    solved, t_solved = timed(scene, leave_out=SOLVED)
+    solved, t_solved = timed(scene, replay=False)
     branch = [f.evaluations for f in shear(solved) if not f.slip]
     row = {
         "preset": name,
@@ -101,7 +99,7 @@ def against_gfmd(scene, solved, row):
     short = scene.changed(u_x_max=slips[min(SLIPS, len(slips)) - 1] + 0.5 if slips else scene.u_x_max)
     reference, _ = timed(short.changed(tolerance=max(1e-12, 2.0 * short.attainable), du_x=0.1 * scene.du_x), runs=1)
     gfmd, t_gfmd = timed(short, "gfmd", runs=1)
-    part, t_part = timed(short, leave_out=SOLVED, runs=3)
+    part, t_part = timed(short, replay=False, runs=3)
     share = short.shear_increments / scene.shear_increments
     steady = t_gfmd * steady_share(gfmd, scene, short)
     return {

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_info
 
 from app.service.caller import Caller, Lost
 from solver import load_path
+from solver.run.loadpath import Run
 
 PATIENCE = 300  # s; a limit against hanging, not a claim about speed
 
@@ -92,6 +93,13 @@ def outcomes_beside_a_hang(call, items, workers, hanging):
         if not any(isinstance(found[k], Lost) and found[k].kind == "hang" for k in found if k != hanging):
             break
     return found
+
+
+def on_whole_cell(scene, replay=True):
+    """The frames of a run on all nodes of the cell, not on a patch."""
+    run = Run(scene, replay=replay)
+    run.patch = (0, scene.nodes)
+    return [frame for frame, _ in run.frames()]
 
 
 def first_slip(scene):

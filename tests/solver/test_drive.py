@@ -5,12 +5,12 @@ from math import inf
 import numpy as np
 import plain_gfmd
 import pytest
+from energy import balance_of
 from recheck import recheck
 from scipy.optimize import brentq
 from spectrum import growth
 
 from solver import Scene, SceneError, load_path, simulate
-from solver.analysis.energy_balance import work_of
 from solver.analysis.fit import fit
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force
 from solver.analysis.measurement import Measurement
@@ -158,7 +158,7 @@ def test_driven_run_agrees_with_an_explicit_gfmd_with_springs():
     assert np.abs(F - plain).max() < 1e-5 * np.abs(plain).max()
     for frame in frames[::7]:
         assert recheck(scene, frame).residual < 2e-7
-    assert np.abs(work_of(frames).defect).max() < 1e-3 * np.abs(work_of(frames).top).max()
+    assert np.abs(balance_of(frames).defect).max() < 1e-3 * np.abs(balance_of(frames).top).max()
 
 
 def test_following_and_sensitivities_know_the_stiffness_of_the_drive():

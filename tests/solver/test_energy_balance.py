@@ -6,11 +6,11 @@ from math import inf
 import numpy as np
 import plain_gfmd
 import pytest
+from energy import balance_of, layer_energy
 from plain_gfmd import Plain
 from scipy.optimize import brentq, minimize_scalar
 
-from solver import Scene, load_path, whole_surface, work_of
-from solver.analysis.energy_balance import layer_energy
+from solver import Scene, load_path, whole_surface
 
 FLAT = Scene(surface="flat", phi_ratio=0.1, nodes=64, width=160.0, height=16.0, tolerance=1e-10, damping=inf)
 PUNCH = Scene(nodes=128, width=320.0, radius=1.0, du_z=0.2, tolerance=1e-9)
@@ -69,7 +69,7 @@ def test_dissipation_per_slip_is_the_area_of_the_sawtooth():
     for per_period in (25, 100):
         _, frames, first = periods(FLAT.changed(u_x_max=30.0), per_period)
         assert sum(len(f.slips) for f in frames[first + 1 :]) == 2
-        work = work_of(frames)
+        work = balance_of(frames)
         off.append(abs((work.top[-1] - work.top[first]) / 2.0 / exact - 1.0))
     assert off[0] < 2e-3 and off[1] < off[0] / 7.0
 
@@ -79,7 +79,7 @@ def test_work_of_the_top_over_a_sliding_period_equals_the_energy_released_in_sli
     """The layer's energy repeats, so that W = R - S; and W is the area under the sawtooth of F."""
     scene, frames, first = periods(PUNCH.changed(u_x_max=14.0, **values), 25)
     assert sum(len(f.slips) for f in frames[first + 1 :]) == 2
-    work = work_of(frames)
+    work = balance_of(frames)
     paid, stored, given, released = (
         series[-1] - series[first] for series in (work.top, work.stored, work.surface, work.released)
     )
@@ -149,7 +149,7 @@ def test_dissipation_differs_from_the_work_of_the_top_only_by_the_work_of_the_la
     frames = [f for f in load_path(fine) if f.stage == "shear"]
     ends = [k for k, f in enumerate(frames) if f.slip]
     period = ends[2] - ends[1]
-    work = work_of(frames)
+    work = balance_of(frames)
     paid = work.top[ends[1] + period - 1] - work.top[ends[1] - 1]
     assert least < dissipated(scene) / paid - 1.0 < most
 
@@ -159,7 +159,7 @@ def test_energy_of_a_jump_to_the_held_load_counts_as_released():
     scene = Scene(hold="load", delta_bar=-0.5, u_x_max=1.0, nodes=512, width=1250.0, radius=5.0)
     frames = list(load_path(scene))
     jump = next(k for k, frame in enumerate(frames) if frame.stage == "shear")
-    work, before = work_of(frames), frames[jump - 1]
+    work, before = balance_of(frames), frames[jump - 1]
     assert frames[jump].slip and abs(frames[jump].delta - before.delta) > scene.delta_n  # the premise
     assert work.surface[jump] == work.surface[jump - 1]
     assert work.released[jump] != work.released[jump - 1]
@@ -172,7 +172,7 @@ def test_two_energy_balances_agree_over_a_friction_loop(values):
     """The state repeats, so the layer stores nothing: what the top does is what slips release and springs give back."""
     scene = PUNCH.changed(path="loop", u_x_max=8.0, du_x=0.2, **values)
     frames = list(load_path(scene))
-    work, end = work_of(frames), ends(frames)
+    work, end = balance_of(frames), ends(frames)
     loop = [
         series[end["forth"]] - series[end["shear"]] for series in (work.top, work.stored, work.surface, work.released)
     ]
@@ -186,7 +186,7 @@ def test_energy_is_conserved_between_slips_up_to_the_residual():
     """W = E - S without slips: F and L, E and S are told by different sums, and agree as C is symmetric."""
     for values in ({}, {"hold": "load"}, {"path": "unload"}, {"path": "loop", "du_x": 0.7}):
         scene = PUNCH.changed(u_x_max=8.0, **values)
-        work = work_of(list(load_path(scene)))
+        work = balance_of(list(load_path(scene)))
         assert np.abs(work.defect).max() < 1e-6 * np.abs(work.top).max()
 
 
@@ -197,7 +197,7 @@ def test_smooth_sliding_dissipates_nothing():
     frames = list(load_path(scene))
     end = ends(frames)
     assert not any(f.slip for f in frames[end["approach"] + 1 :])
-    work = work_of(frames)
+    work = balance_of(frames)
     most = scene.phi_t * scene.width  # all springs stretched to the full
     assert abs(work.top[end["forth"]] - work.top[end["shear"]]) < 1e-9 * most
     start = end["approach"] + 1
@@ -219,6 +219,6 @@ def test_dead_weight_does_work_in_the_jump_to_a_held_load(delta_bar):
     frames = list(load_path(scene))
     k = next(k for k, f in enumerate(frames) if f.stage == "shear")
     assert [event.kind for event in frames[k].slips] == ["control"]
-    work, way = work_of(frames), frames[k].delta - frames[k - 1].delta
+    work, way = balance_of(frames), frames[k].delta - frames[k - 1].delta
     assert work.top[k] - work.top[k - 1] == pytest.approx(frames[k].L * way, rel=1e-6)
     assert abs(np.diff(work.defect[k - 1 : k + 1])) < 1e-9 * abs(work.top[k])

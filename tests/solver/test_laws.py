@@ -208,7 +208,6 @@ def test_onset_is_the_run_up_to_its_first_slip():
     assert found.F.tolist() == [f.F_bar for f in frames[:k]] + [found.F_s]
     assert (found.U[0], found.U[-1], found.A[0], found.A[-1]) == (0.0, found.U_s, found.A_0, found.A_s)
     assert found.L.size == found.U.size
-    assert found.A_nodes == np.count_nonzero(frames[k - 1].T[1] > 0) / scene.nodes
 
 
 def test_onset_does_not_depend_on_where_the_scene_ends():

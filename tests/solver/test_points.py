@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from energy import balance_of
 from plain_gfmd import Plain
 
 from solver import Axis, Map, Scene, SceneError, load_path, simulate, summarize, sweep
-from solver.analysis.energy_balance import work_of
 from solver.cli.options import scene_of
 from solver.run.load_steps import load_steps_of, position
 
@@ -50,7 +50,7 @@ def test_an_oblique_line_ends_at_its_point_and_keeps_the_energy_balance():
     assert max(frame.residual for frame in frames) <= scene.tolerance
     events = [event for frame in frames for event in frame.slips]
     assert events and all(event.located and event.stage == "3 move" for event in events)
-    work = work_of(frames)
+    work = balance_of(frames)
     entered = work.stored + work.released - work.surface
     assert work.top[-1] == pytest.approx(entered[-1], rel=2e-3)
 

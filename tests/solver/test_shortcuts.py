@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from helpers import on_whole_cell
 
 from solver import Scene, load_path
-from solver.run.loadpath import ALL
 from solver.run.summary import left_out
 
 SCENES = {
@@ -21,7 +21,8 @@ def evaluations(frames):
 @pytest.mark.parametrize("rule", SCENES)
 def test_frames_are_equal_with_and_without_shortcuts(rule):
     scene = SCENES[rule]
-    spared, full = list(load_path(scene)), list(load_path(scene, leave_out=ALL - {rule}))
+    spared = list(load_path(scene))
+    full = on_whole_cell(scene) if rule == "patch" else list(load_path(scene, replay=False))
     assert len(spared) == len(full)
     assert max(f.residual for f in spared + full) <= scene.tolerance
     F, L = (max(abs(getattr(f, name)) for f in full) or 1.0 for name in ("F_bar", "L_bar"))
@@ -39,7 +40,7 @@ def test_frames_are_equal_with_and_without_shortcuts(rule):
 @pytest.mark.parametrize(("rule", "counted"), [("patch", "nodes"), ("translation", "increments")])
 def test_a_run_counts_what_it_left_out_and_nothing_if_it_may_not(rule, counted):
     scene = SCENES[rule]
-    frames, full = list(load_path(scene)), list(load_path(scene, leave_out=frozenset()))
+    frames, full = list(load_path(scene)), on_whole_cell(scene, replay=False)
     expected = sum(f.repeated for f in frames) if rule == "translation" else scene.nodes - frames[-1].u.shape[1]
     assert left_out(frames)[counted] == expected > 0
     assert left_out(full) == {"nodes": 0, "increments": 0}
@@ -53,7 +54,7 @@ def test_repeated_increments_cost_about_one_evaluation_and_are_marked():
     assert np.median([f.evaluations for f in repeated]) == 1
     assert evaluations(repeated) < 2 * len(repeated)
     # the first of 12 slips is solved for, and its motion made thrice; the count varies with FFTW's transforms
-    assert evaluations(frames) < 0.2 * evaluations(load_path(Scene(), leave_out=ALL - {"translation"}))
+    assert evaluations(frames) < 0.2 * evaluations(load_path(Scene(), replay=False))
 
 
 @pytest.mark.slow
@@ -63,7 +64,7 @@ def test_slips_that_begin_as_flutter_are_repeated_where_the_branch_bends_towards
     slips = [f for f in shear.values() if f.slip]
     assert len(slips) == 3 and all(f.slips[0].kind == "flutter" for f in slips)
     assert all(f.repeated for f in slips[1:]) and evaluations(slips[1:]) < 100
-    solved = {f.index: f for f in load_path(scene, leave_out=ALL - {"translation"}) if f.stage == "shear"}
+    solved = {f.index: f for f in load_path(scene, replay=False) if f.stage == "shear"}
     events = [event for f in solved.values() for event in f.slips]
     assert [f.slips[0].load for f in slips] == pytest.approx([event.load for event in events], abs=1e-6)
     after = slips[-1].index + 2  # where it rests after a flutter depends on the increments

@@ -231,8 +231,11 @@ def test_threshold_law_of_node_counts_is_that_of_an_independent_solver(figure, i
     """Nodes counted at the last increment before the slip, -0.1 to 0.6; three and four digits are given."""
 
     def counted(*indentations):
-        points = [figure[interface, d] for d in indentations if d >= -0.1 and figure[interface, d].A_s > 0.0]
-        return threshold_law([p.A_nodes for p in points], [p.F[-2] for p in points])
+        points = {d: figure[interface, d] for d in indentations if d >= -0.1 and figure[interface, d].A_s > 0.0}
+        scenes = [preset(interface).scene.changed(delta_bar=d, u_x_max=p.U_s + 1.0) for d, p in points.items()]
+        last = [up_to_slip(scene)[0][-1] for scene in scenes]
+        areas = [np.count_nonzero(frame.T[1] > 0.0) / frame.scene.nodes for frame in last]
+        return threshold_law(areas, [frame.F_bar for frame in last])
 
     law = counted(*INDENTATIONS)
     assert (law.tau_c, law.F_nc, law.r2) == (

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from adhesion import PSI, PULL_OFF_JKR, hard, johnson, pull_off, repulsive
+from helpers import on_whole_cell
 
 from solver import LIMITS, SURFACES, Profile, Scene, SceneError, load_path, scene_from_text, whole_surface
 from solver.analysis.peeling import edges, peel_asymmetry
-from solver.run.loadpath import ALL
 from solver.surfaces import averaged
 
 ROUGH = Scene(surface="rough")
@@ -209,7 +209,7 @@ def test_both_methods_find_the_same_equilibria_on_several_patches(scene):
 def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
     """A profile moves with the layer: translation by a site stays exact, and known states may be moved on."""
     scene = scene.changed(u_x_max=25.0)
-    spared, full = frames(scene), frames(scene, leave_out=ALL - {"translation"})
+    spared, full = frames(scene), frames(scene, replay=False)
     assert sum(f.repeated for f in spared) > 50
     for one, other in zip(spared, full, strict=True):
         assert np.abs(one.u - other.u).max() < 1e-6  # as in test_shortcuts.py
@@ -224,7 +224,7 @@ def test_sliding_repeats_with_the_lattice_on_any_surface(scene):
 )
 def test_a_patch_holds_every_contact_and_gives_the_frames_of_the_whole_cell(values):
     scene = Scene(**values, du_z=0.5, du_x=0.5, u_x_max=8.0)
-    narrow, wide = frames(scene), frames(scene, leave_out=ALL - {"patch"})
+    narrow, wide = frames(scene), on_whole_cell(scene)
     assert narrow[-1].u.shape[1] < wide[-1].u.shape[1] == scene.nodes
     assert max(patches(scene, f) for f in wide) > 1
     for one, other in zip(narrow, wide, strict=True):
