@@ -1,7 +1,7 @@
 """Error against run time for one scene: the tolerance and the increment that are worth their cost.
 
 for progress, report in measure(Scene(delta_bar=0.4), quick=True): ...
-print(sentence(report))
+print(text(report))
 """
 
 from collections.abc import Iterable, Iterator, Mapping

@@ -13,11 +13,6 @@ VISIBLE = 1e-4  # of the largest value: an error that no plot shows, and no expe
 TIGHTER = {"tolerance": "tighter", "du_x": "finer"}  # the name of a smaller value
 
 
-def sentence(report: Report) -> str:
-    """The effect of the tolerance in this scene, and the work of the other method; one line."""
-    return " ".join(filter(None, (choice(report, "tolerance"), _price(report))))
-
-
 def choice(report: Report, sweep: str) -> str:
     """The cheapest value of a parameter at which fast has no visible error, as a sentence."""
     errors = {p: p.branch_error for p in report.of(sweep, "fast") if not p.failure}
@@ -43,19 +38,6 @@ def choice(report: Report, sweep: str) -> str:
     )
 
 
-def _price(report):
-    """The work of every other method over that of fast, at the smallest tolerance that both finished."""
-    fast, parts = {p.value: p for p in report.of("tolerance", "fast") if not p.failure}, []
-    for series in dict.fromkeys(p.series for p in report.of("tolerance") if p.series != "fast"):
-        common = [p for p in report.of("tolerance", series) if not p.failure and p.value in fast]
-        if common:
-            point = min(common, key=lambda p: p.value)
-            own = fast[point.value]
-            work, time = point.evaluations / max(own.evaluations, 1), point.seconds / own.seconds
-            parts.append(f"{series} {_round(work)} ({_round(time)} times the time, both at {point.value:g})")
-    return f"Times the force evaluations of fast: {', '.join(parts)}." if parts else ""
-
-
 def failures(report: Report) -> list[str]:
     """A line for every run that did not finish."""
     return [f"{p.series}, {p.sweep} {p.value:g}: {p.failure}" for p in report.points if p.failure]
@@ -73,11 +55,6 @@ def _row(p: Point):
     }
 
 
-def _round(value):
-    """Two digits, without an exponent."""
-    return f"{float(f'{value:.2g}'):g}"
-
-
 def _short(value):
     return "-" if value is None else f"{value:.1e}"
 
@@ -85,14 +62,6 @@ def _short(value):
 def title(report: Report) -> str:
     """The scene's parameters that differ from the default, and the end of the runs."""
     return f"{changes(report.scene) or 'default scene'}, up to U_x = {report.reference.u_x_max:g} nm"
-
-
-def command(report: Report) -> str:
-    """The command that makes this report."""
-    changed, effort = changes(report.scene), QUICK if report.quick else FULL
-    options = " --quick" if report.quick else ""
-    options += f" --slips {report.slips}" if report.slips != effort.slips else ""
-    return f"python -m solver accuracy{options}" + (f" --set {changed}" if changed else "")
 
 
 def notes(report: Report) -> list[str]:
@@ -119,7 +88,7 @@ def text(report: Report) -> str:
     for sweep in filter(report.of, SWEEPS):
         table = DataFrame([_row(p) for p in report.of(sweep)]).to_string(index=False, justify="left")
         lines += ["", f"{sweep} [{LIMITS[sweep].unit}]", table, choice(report, sweep)]
-    return "\n".join([*lines, "", command(report), *notes(report), *failures(report), "", sentence(report)])
+    return "\n".join([*lines, "", *notes(report), *failures(report)])
 
 
 def data(report: Report) -> dict[str, Any]:
@@ -129,13 +98,11 @@ def data(report: Report) -> dict[str, Any]:
         {name: getattr(slip, name) for name in ("stage", "load", "F_bar", "sensitive")} for slip in report.known_slips
     ]
     return {
-        "command": command(report),
         "scene": asdict(report.scene),
         "quick": report.quick,
         "U_x_end": report.reference.u_x_max,
         "slips_wanted": report.slips,
         "reference": fine | {"seconds": report.seconds, "slips": slips},
         "points": [asdict(p) for p in report.points],
-        "sentence": sentence(report),
         "sentences": {sweep: choice(report, sweep) for sweep in SWEEPS if report.of(sweep)},
     }
