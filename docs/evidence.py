@@ -1,7 +1,8 @@
-"""Measure what the project claims, and write docs/evidence.md: `python docs/evidence.py NAME ...`, or `all`.
+"""Measure what the project claims, and write docs/evidence.md: `python docs/evidence.py NAME ...`, or `--all`.
 
 Each entry of COMMANDS is one command of the repository. Its standard output is kept in docs/evidence.json with the
 commit, date and processor, and shown on the page; no number is typed in. Benches print single scenes to standard error.
+Entries older than the last change of the solver's numerics are stale; `--stale` lists them and how long they take.
 """
 
 import argparse
@@ -9,9 +10,13 @@ import json
 import platform
 import subprocess
 import sys
+from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
-from typing import NamedTuple
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from solver.continuation import NUMERICS
 
 HERE = Path(__file__).parent
 ROOT, STORE, PAGE = HERE.parent, HERE / "evidence.json", HERE / "evidence.md"
@@ -160,13 +165,22 @@ COMMANDS = {
 }
 
 
-def measured(entry: Entry) -> dict[str, str]:
-    """Runs the command and returns its output with commit, date and processor; raises CalledProcessError."""
-    return {
-        "command": " ".join(["python", *entry.command]),
-        **origin(),
-        "output": output(sys.executable, *entry.command),
-    }
+def measured(entry: Entry) -> dict[str, Any]:
+    """Runs the command: its output with commit, date, processor and minutes; raises CalledProcessError."""
+    begun, made = perf_counter(), output(sys.executable, *entry.command)
+    took = {"numerics": NUMERICS, "minutes": round((perf_counter() - begun) / 60.0, 1)}
+    return {"command": " ".join(["python", *entry.command]), **origin(), **took, "output": made}
+
+
+def stale(name: str, store: dict[str, Any]) -> bool:
+    """Whether an entry was not measured since the last change of the solver's numerics."""
+    return store.get(name, {}).get("numerics", 0) < NUMERICS
+
+
+def minutes(names: Iterable[str], store: dict[str, Any]) -> str:
+    """How long these entries take, as far as it is known."""
+    known = [store[name]["minutes"] for name in names if "minutes" in store.get(name, {})]
+    return f"{sum(known):.0f} minutes for {len(known)} of {len([*names])} entries, the last time"
 
 
 def origin() -> dict[str, str]:
@@ -188,7 +202,7 @@ def processor() -> str:
     return f"{models[0] if models else platform.processor()}, {len(models) or '?'} cores"
 
 
-def page(store: dict[str, dict[str, str]]) -> str:
+def page(store: dict[str, dict[str, Any]]) -> str:
     """The page, a section per entry of COMMANDS."""
     picture = "![Error of F, L and A against run time and force evaluations, for four methods](accuracy.png)"
     parts = [
@@ -201,28 +215,36 @@ def page(store: dict[str, dict[str, str]]) -> str:
         if entry.chapter != chapter:
             chapter = entry.chapter
             parts.append(f"## {chapter}")
-        parts += [f"### {entry.title}", entry.meaning, *section(store.get(name), entry)]
+        parts += [f"### {entry.title}", entry.meaning, *section(store.get(name), entry, stale(name, store))]
     return "\n\n".join(parts) + "\n"
 
 
-def section(result: dict[str, str] | None, entry: Entry) -> list[str]:
+def section(result: dict[str, Any] | None, entry: Entry, old: bool) -> list[str]:
     """Paragraphs that show one result, or the command where there is none."""
     if result is None:
         return [f"Not measured yet: `python {' '.join(entry.command)}`."]
-    where = f"`{result['command']}`, commit {result['commit']}, {result['date']}, {result['processor']}:"
+    where = f"`{result['command']}`, commit {result['commit']}, {result['date']}, {result['processor']}"
+    where += " (before the last change of the solver's numerics):" if old else ":"
     return [where, "\n".join(["```text", result["output"], "```"])]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"what to measure: all, {', '.join(COMMANDS)}")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"what to measure: {', '.join(COMMANDS)}")
+    parser.add_argument("--all", action="store_true", help="measure all")
+    parser.add_argument("--stale", action="store_true", help="list what is older than the solver's numerics")
     parser.add_argument("--page", action="store_true", help="only write the page")
     arguments = parser.parse_args()
-    unknown = set(arguments.names) - {*COMMANDS, "all"}
-    if unknown or not (arguments.names or arguments.page):
-        parser.error(f"unknown: {', '.join(unknown) or 'nothing'}; allowed: all, {', '.join(COMMANDS)}")
+    unknown = set(arguments.names) - {*COMMANDS}
+    if unknown or not (arguments.names or arguments.page or arguments.all or arguments.stale):
+        parser.error(f"unknown: {', '.join(unknown) or 'nothing'}; allowed: --all, {', '.join(COMMANDS)}")
     store = json.loads(STORE.read_text()) if STORE.exists() else {}
-    for name in COMMANDS if "all" in arguments.names else arguments.names:
+    if arguments.stale:
+        old = [name for name in COMMANDS if stale(name, store)]
+        return print("\n".join([*old, minutes(old, store)]))
+    chosen = [*COMMANDS] if arguments.all else arguments.names
+    print(minutes(chosen, store), flush=True)
+    for name in chosen:
         print(f"{name}: python {' '.join(COMMANDS[name].command)}", flush=True)
         store[name] = measured(COMMANDS[name])
         STORE.write_text(json.dumps(store, indent=1) + "\n")

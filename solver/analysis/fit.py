@@ -24,8 +24,8 @@ from .prediction import AHEAD
 from .recording import Recording
 from .trial import AXES, NO_RUN, Model
 
-APART = 0.99  # correlation beyond which parameters count as one: each has 7 times the error it has alone
-FLAT = 1e-12  # of the normal matrix scaled to a unit diagonal: curvature that round-off leaves where there is none
+APART = 0.99  # correlation from which a fit warns: each parameter then has 7 times the error it has alone
+FLAT = 1e-12  # eigenvalues below are round-off, of the normal matrix scaled to a unit diagonal
 LIMIT = 60.0  # s, of a fit: about as long as somebody waits
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 

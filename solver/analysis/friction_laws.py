@@ -112,6 +112,7 @@ class Friction:
 
     @property
     def mean(self) -> float:
+        """(F_s + F_k)/2, over w E."""
         return 0.5 * (self.F_s + self.F_k)
 
 

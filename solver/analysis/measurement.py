@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from .comparison import Comparison, Computed
 
 JUMP = 5.0 * 2.0**0.5  # least drop of a slip over the noise of a point; noise alone makes one in 3 million points
-# least drop of a slip over the median step, on a finely sampled curve. Where steps are noise alone, their median is
-# 0.95 deviations, and this is about JUMP
+# least drop of a slip over the median step of a finely sampled curve: about JUMP, as the median step of pure noise is
+# 0.95 standard deviations
 SUDDEN = 8.0
 # Least drop of a slip over the steps beside it and over the 90 % quantile of rises, on a sparse curve. 24 scenes at 5
 # to 8 points a period with 1.2 % noise (tests/bench/fit.py, BASE): 1.7 took smooth sliding for slips, 2.5 missed 6 %.

@@ -60,7 +60,7 @@ class Predicted:
     @cached_property
     def segments(self) -> list[list[tuple[int, int]]]:
         """[(index of a branch, periods since its first pass), ...] of each segment, in order, to AHEAD of the reach."""
-        # where no drop exceeds `seen`, the largest counts as visible: it may grow in later trials
+        # if no drop exceeds `seen`, the largest one counts as visible: it may grow in later trials
         seen = min(self.seen, 0.9 * max(self.drops)) if np.isfinite(self.seen) else np.inf
         segments: list[list[tuple[int, int]]] = [[]]
         for index, turns in self.skeleton.trace.passes():

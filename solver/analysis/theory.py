@@ -92,22 +92,23 @@ def _node(scene, u):
 
 
 class _Contact(NamedTuple):
-    """A punch: E*, its radius, its springs, and how strips of half-widths t move against the stage.
+    """A punch, and the displacements of strips of half-widths t against the stage; arrays are (DRAWN,).
 
     round: indentation (nm) under the pressure E*/(2R) sqrt(t^2 - x^2) of Hertz; flat, sheared: indentation and U_x over
     the force (nm m/N) of a bonded strip, whose traction is 1/(pi sqrt(t^2 - x^2)).
     """
 
-    E: float
-    R: float
-    springs: float  # of a node, counted by their strength
-    t: NDArray[np.float64]
+    E: float  # E*, GPa
+    R: float  # nm
+    springs: float  # sum of exp(-dt^2/delta_t^2) over the sites of a node
+    t: NDArray[np.float64]  # nm
     round: NDArray[np.float64]
     flat: NDArray[np.float64]
     sheared: NDArray[np.float64]
 
     @staticmethod
     def of(scene):
+        """That of a Scene with a circular punch."""
         E, R, C = scene.E / (1.0 - scene.nu**2), scene.radius * scene.width, Modes.of(scene).compliance / scene.width
         springs = float(np.exp(-((np.arange(-200, 201) * scene.spacing / scene.delta_t) ** 2)).sum())
         t, q = np.geomspace(1e-3, 0.3, DRAWN) * scene.width, 2.0 * pi * np.arange(1, C.shape[1]) / scene.width

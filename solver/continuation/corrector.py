@@ -27,7 +27,7 @@ class Solution(NamedTuple):
 class Corrector:
     """Solves one problem; between calls it keeps the inverse in use, and scratch.
 
-    sharp: v of the equilibrium whose tangent is inverted, or None; a State keeps it for `begin`.
+    sharp: v (size,) of the equilibrium whose inverse tangent preconditions, or None. A State keeps it for `begin`.
     """
 
     def __init__(self, problem):
@@ -69,9 +69,9 @@ class Corrector:
     def solve(self, guess, s, secants, chord=None, arc=0.0) -> Solution | None:
         """The Solution next to a guess (size,) at fixed load s, nm, or None.
 
-        With a chord, the load changes so that <chord, v> = arc, nm. Where Anderson steps fail, they are tried again
-        with the inverse of the tangent at the equilibrium found last, unless that was already in use. Then later solves
-        use that inverse, too. Secant pairs of steps that led nowhere would mislead the next ones.
+        With a chord, the load changes so that <chord, v> = arc, nm. If Anderson steps fail, a second attempt is
+        preconditioned by the inverse tangent at the equilibrium found last. Later solves keep that preconditioner. The
+        secant pairs of a failed attempt are dropped.
         """
         self._origin = guess.copy() if self._origin is None else self._origin
         while True:

@@ -14,7 +14,7 @@ from .transient import BUDGET, DIVISORS, TooLong, Transient, Trial
 USUAL = Trial()
 LONGER = 3.0  # a repetition is given up that takes so many times the steps that it should
 HALF = Trial(2.0)  # over one barrier: half of the usual step
-# Over several barriers. The first one differs in the step alone: of two that start elsewhere, too, both may be wrong
+# Over several barriers. The first trial changes only the step: two trials with other starts were wrong together
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
 # From flutter: GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere.
 # Where half of the step is to be tried, too, both are tried at once: from there a motion takes a third of the time
@@ -45,7 +45,7 @@ def motion_to_rest(problem, end, judge, damping, closed) -> End:
     ):
         return slip
     starts = (FARTHER,) * flutter + (DISTURBED,) * alike
-    may_change = not starts  # where the start matters, any disagreement is one too many
+    may_change = not starts  # if the start matters, one disagreement makes the slip sensitive
     for trial in starts:
         if not _same(problem, slip.after, _tried(motion, problem, end, trial, steps)):
             return slip._replace(sensitive=True)
@@ -65,8 +65,8 @@ def motion_to_rest(problem, end, judge, damping, closed) -> End:
 def _finer(sites, stalled):
     """(trials with finer steps, how many of them must agree) for a slip by so many sites, on which it stalled.
 
-    Beyond half a site a node has passed a barrier: if the motion stalled there, details decide whether it does. Beyond
-    1.2 sites it has passed several, and errors of its energy add up.
+    A node that moved by more than half a site has passed a barrier. If the motion stalled there, small errors decide
+    whether it passes. A node that moved by more than 1.2 sites has passed several, and errors of its energy add up.
     """
     # of 222 first slips (tests/bench/landings.py) 13 went wrong at the usual step, 12 of them beyond 1.2 sites; a bound
     # of 0.6 takes up to 54 % more evaluations

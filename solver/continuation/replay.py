@@ -18,7 +18,7 @@ def advanced(
     spacing: of the sites along the load, nm; None: repeat no states, and keep nothing but the ends passed, as `jumps`.
     The residual of each state that is moved on is evaluated; a state that is not the one expected is solved for.
     """
-    # short branches to a slip are nearly straight, smooth sliding is not: few states do not describe it
+    # FEWEST_STATES describe a short branch to a slip, which is nearly straight, but not a period of smooth sliding
     smooth = trace.branches[0].periodic
     if spacing is not None and trace.period and not (smooth and len(trace.branches[0].states) <= FEWEST_STATES):
         repeated = _repeated(stepper.problem, state, target, trace)

@@ -24,8 +24,8 @@ UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round
 
 
 # A growth is compared with twice the decay of the layer's slowest mode, |mu| with k_min, unless the comment differs.
-# Vectors that a search may add; disturbances up to that size have all their mu computed. Searches take fewer than 30 in
-# the runs of tests/bench/constants.py
+# Most vectors that a search adds. Of smaller disturbances all mu are computed. Searches of tests/bench/constants.py add
+# fewer than 30
 MOST = 60
 DENSE_WAVES = 256  # size of a disturbance up to which all its mu are computed where waves may flutter: 0.1 s
 KEPT = 4  # vectors from which the next search starts: two complex pairs
@@ -34,8 +34,10 @@ FINE = 1e-8  # error of a growth where an end is located
 # flutter began between two searches
 CLEAR = 0.4
 # units: no search while the last growth rate is clearly negative and no unknown has moved more than FAR times the
-# margin since then. Towards a fold, margin and movement shrink as the root of the distance in load
-FAR = 0.8
+# margin since then: springs change their stiffness by up to twice itself in a unit. With 0.8 one state in 400 of small
+# cells was unstable (tests/bench/rests.py). Towards a fold, margin and movement shrink as the root of the distance in
+# load
+FAR = 0.5
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,8 @@ class Mode:
 
     growth: float  # 1/time
     mu: complex  # GPa/nm
-    x: np.ndarray | None  # (size,)
-    basis: tuple = ()  # of (x (N,), K x), disturbances near zero
+    x: np.ndarray | None  # (size,) unknowns, of any length
+    basis: tuple = ()  # pairs (x (N,), K x (N,) GPa), of unit length, with mu near zero
     v: np.ndarray | None = None  # (size,) the state that was searched
     margin: float = 0.0  # distance from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J in the basis
 

@@ -15,7 +15,7 @@ TINY = 1e-300  # nonzero, in place of a zero in a denominator
 # states of a branch by whose polynomial it is extrapolated in the load; with 4 a run takes 2 % more evaluations, and
 # has the same slips
 PAST = 6
-SHARP = 1e-9  # units, error of the load at the end of a branch: the accuracy asked for
+SHARP = 1e-9  # units; accuracy of the load at the end of a branch
 MOVED = 0.5  # units of the problem; a state that moved farther in an increment may lie on another branch
 
 
@@ -88,11 +88,12 @@ class State(NamedTuple):
 
     load: float  # nm
     v: np.ndarray  # (size,) unknowns
-    past: list  # [(load, v)], PAST at most, on this branch, newest first, this one included
+    past: list  # [(load (nm), v (size,))], PAST at most, on this branch, newest first, this one included
     secants: Secants | None = None
-    sharp: np.ndarray | None = None  # v whose inverse tangent solves use, where Anderson steps alone failed
+    # (size,) unknowns at which the preconditioner of the corrector is formed; None: Anderson steps need none
+    sharp: np.ndarray | None = None
     mode: "Mode | None" = None  # the one that grows fastest, as judged last
-    # True after the load control changed: check stability, and let the state relax, before continuing
+    # True after the load control changed: the next increment checks its stability first, and lets it relax
     unsure: bool = False
     residual: float = np.inf  # nm
 
@@ -142,7 +143,7 @@ class End(NamedTuple):
 
     @property
     def located(self) -> bool:
-        """Whether `load` is that of the end itself, not of the increment in which the branch was lost."""
+        """True if `load` is the load of the end; False if the branch was lost somewhere in that increment."""
         return self.kind != "lost"
 
 

@@ -111,7 +111,7 @@ class Branch:
         return replace(self, states=tuple(self.states[i] for i in left))
 
     def thinned(self, n: int, error: float | None = None) -> "Branch":
-        """The same without those of its first n states that the others give to `error`, nm; None: the best quarter."""
+        """Drops states, of the first n, that the others interpolate to `error`, nm; None: the best quarter."""
         out = np.arange(1, n, 2)
         errors = np.abs(self.without(out).unknowns(self.loads[out]) - self.v[out]).max(axis=1)
         return self.without(out[np.argsort(errors)[: ceil(out.size / 2)]] if error is None else out[errors < error])
@@ -177,7 +177,7 @@ def _restored(loads, unit, first, steps, slip, periodic):
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """The branches of a run in order, and how it goes on: after the last one branch `home` follows, moved on.
+    """The branches of a run in order. Then the run repeats them from branch `home` on, moved by `period`.
 
     period: nm, by which it is moved on; 0.0 where the run does not repeat itself, or not yet: the last branch has no
     end then. jumps: the ends passed before, under loads that no site repeats. Treat it as read-only.
@@ -258,7 +258,7 @@ class Trace:
         return self
 
     def _from(self, branch, landed, period, direction):
-        """Closed by a slip that has landed in a state of `branch`, a period before."""
+        """The closed Trace, if the last slip has landed in a state of `branch`, moved on by a period."""
         k, home = self.branches.index(branch), landed.load - period
         if not all(passed.slip and passed.slip.located for passed in self.branches[k:-1]):
             return self

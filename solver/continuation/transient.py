@@ -23,8 +23,8 @@ SLOW = 3.0
 # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
 # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
 DIVISORS = (1, 2, 4, 16)
-# units between two checks: in the overdamped limit steps are halved where a state moves more. They are doubled,
-# up to 256 times the usual, where it moves less than a quarter of that
+# units between two checks. In the overdamped limit, steps are halved if a state moves more than CRAWL, and doubled (up
+# to 256 times the usual) if it moves less than a quarter of it
 CRAWL = 0.08
 # units of residual and swing below which Anderson steps begin; from 0.1 on they reach other equilibria than the
 # motion
@@ -32,7 +32,7 @@ LANDING = 0.03
 # Used in place of LANDING while the motion starts. There the residual is small anyway: about half the curvature
 # times the distance squared
 NEAR = 1e-4
-# most steps of one motion: the slider box needs 30,000, but with 60,000 a twentieth of the atlas gives up, very soft
+# most steps of one motion. The slider box needs 30,000. With 60,000 a twentieth of the atlas gives up: very soft
 # layers that detach
 BUDGET = 250_000
 # factor by which the load's rise since the end of the branch grows before Anderson steps that failed are tried again.
@@ -51,7 +51,7 @@ class Trial(NamedTuple):
 
     finer: float = 1.0  # divisor of its time steps
     nearer: float = 1.0  # divisor of the distance from the end of the branch at which it starts
-    kick: float = 0.0  # units, random displacement of the unknowns, which breaks symmetries
+    kick: float = 0.0  # units, standard deviation of a random displacement of all unknowns, which breaks symmetries
 
 
 class TooLong(Restless):
@@ -184,9 +184,9 @@ class Transient:
         return self.steps > 4_000 and self.elapsed > 8.0 * (period + 1.0 / self.end.growth)
 
     def _raise_load(self, returned):
-        """Raise the load where the motion does not rest, or where it `returned`: the branch goes on a little farther.
+        """Raise the load if the motion does not come to rest, or if it `returned` to the branch it left.
 
-        From flutter, finer steps raise it as slowly as the usual ones. Raises TooLong or Restless where that does not
+        From flutter, motions with finer steps raise it at the same rate. Raises TooLong or Restless if that does not
         help.
         """
         if not returned and self.trial.finer < 4 and self.end.kind != "flutter":

@@ -21,11 +21,11 @@ from .skeleton import Held, Skeleton
 DISCRETE = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not continuous
 # parameters that do not change the jump into contact: they belong to the path, or to how it is computed
 NOT_OF_THE_JUMP = ("delta_bar", "u_x_max", "du_x", "du_z", "tolerance", "damping")
-HALVES = 2  # A move whose states or folds move too far is halved at most so often: into quarters
-LATER = 1e-6  # nm, rounding: a branch may begin so much later than the state in which a slip lands
+HALVES = 2  # most times that a move is halved because states or folds move too far: into quarters
+LATER = 1e-6  # nm, round-off: a branch may begin this much after the state in which a slip lands
 # delta_n, the least gap of nodes outside the patch. Their springs pull with 5e-6 of phi_n/delta_n, 1e-6 of the forces
 OUTSIDE = 15.0
-HELD_RESIDUAL = 1e-8  # nm, residual of the state whose load is held: its derivatives are asked for to 1e-5
+HELD_RESIDUAL = 1e-8  # nm, of the state whose load is held; its derivatives then are accurate to 1e-5
 HELD_MOVES = 1.5  # units that this state may move, beside the indentation; farther off, it lies on another branch
 SIGN_ACCURACY = 1e-3  # relative, of a linear solve: only the sign of its result is used
 TWO_STATES = 0.1  # units: states farther apart are two equilibria; with and without contact they differ by a unit

@@ -90,7 +90,7 @@ def _guess(scene, first, trace: Trace):
 
 
 def _longest(branches, home, period, m):
-    """(branches, home) without the branch before `home`, if that is a part of the last one, a period before."""
+    """(branches, home), without the branch before `home` if that is the end of the last one, a period before."""
     if not home:
         return branches, home
     part, last = branches[home - 1], branches[-1]

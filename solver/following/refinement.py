@@ -41,7 +41,7 @@ def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
 
 
 def _poor(scene, first, branch, begin):
-    """Intervals in which the interpolated forces are off by more than ERROR, from the error in two of them as one."""
+    """Indices of intervals whose interpolated forces have an error above ERROR, estimated over pairs of intervals."""
     out, errors = _errors(scene, first, branch, begin)
     length = np.diff(_position(branch))
     both = length[out - 1] + length[out]

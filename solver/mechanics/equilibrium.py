@@ -79,8 +79,8 @@ class Equilibrium:
     def everywhere(self, v, s) -> np.ndarray:
         """Displacement of all nodes of the cell, (2, nodes of the cell) nm; a new array.
 
-        The tractions of the patch displace the nodes outside. Those of the patch stay where v has them: where v is not
-        quite an equilibrium, a tenth of the difference may decide which equilibrium a transient reaches.
+        The tractions of the patch displace the nodes outside; nodes of the patch keep their displacement in v. That
+        matters if v is not quite an equilibrium: a small change may lead a transient to another one.
         """
         surface, part, T = self.motion(), self.contact.part, np.zeros((2, self.contact.nodes))
         T[:, part] = self.traction(v)

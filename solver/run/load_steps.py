@@ -117,7 +117,7 @@ def lifts(scene) -> bool:
     return not any(step.loading.direction[0] for step in load_steps_of(scene))
 
 
-# After the approach. Unload goes up to where the approach began, or until the punch is free: adhesion hysteresis
+# Stages after the approach. 'unload' ends where the approach began, or later, when the punch has come free
 _STAGES = {"shear": ("shear",), "unload": ("unload", "reload"), "loop": ("shear", "back", "forth")}
 
 

@@ -36,7 +36,7 @@ class Checkpoint(NamedTuple):
     stage: Stage = Stage("approach")
     increment: int = 0  # the next one, within its stage
     state: State | None = None
-    trace: Trace | None = None  # what the stage has passed, and the ends of the one before
+    trace: Trace | None = None  # branches that the stage has passed, and the ends of the stage before
     done: bool = False
     failure: str | None = None  # why the run ended early, with a remedy
     outcome: Outcome = Outcome.FINISHED  # of the run, once done
@@ -90,7 +90,7 @@ def deadline(limit: float, busy: float = 10.0) -> Callable[..., None] | None:
 class Run:
     """Computes increments of one scene; owns the buffers of its contact, and needs nothing else between increments.
 
-    Attributes: patch, (first node, nodes); stepper, the one in use; done, the Increment that the last frame shows.
+    Attributes: patch, (first node, nodes); stepper, the current one; done, the Increment of the last frame.
     """
 
     def __init__(self, scene, method="fast", replay=True):
@@ -131,9 +131,10 @@ class Run:
         return frame, checkpoint._replace(**self._after(checkpoint, load_steps, step, index, done.state, trace))
 
     def _increment(self, step, index, state, trace):
-        """(index, Increment, Trace) of the next increment of `step`, from `index` on, at whose load the surface rests.
+        """(index, Increment, Trace) of the next increment of `step`, from `index` on, that has an equilibrium.
 
-        After a slip that may be a later one: there is no frame at the loads before. Beyond the last, that one shows it.
+        After a slip, the surface may rest only at a higher load: increments before that have no frame. If that load is
+        beyond the last increment, the last one takes the state.
         """
         repeats = self._fast and self.replay and not step.loading.direction[1]
         load, slips, spacing = step.at(index), (), self.scene.spacing if repeats else None

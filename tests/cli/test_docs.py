@@ -5,6 +5,7 @@ The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
 
 import ast
 import inspect
+import json
 import re
 import shlex
 import subprocess
@@ -52,6 +53,19 @@ def test_every_link_inside_the_repository_leads_to_a_file(page):
     for target in re.findall(r"\]\(([^)#\s]+)", text):
         if not target.startswith("http"):
             assert (page.parent / target).is_file(), target
+
+
+def test_what_the_readme_cites_was_measured_since_the_last_change_of_the_numerics():
+    """`python docs/evidence.py NAME` measures it anew; solver.continuation.NUMERICS says when that is due."""
+    cited = re.findall(r"docs/evidence\.md#([\w-]+)", README.read_text(encoding="utf-8"))
+    code = "import sys; sys.path.insert(0, 'docs'); import json, evidence; from evidence import *"
+    code += "; print(json.dumps({e.title.lower().replace(' ', '-'): stale(n, json.loads(STORE.read_text()))"
+    code += " for n, e in COMMANDS.items()}))"
+    ran = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=300, check=True
+    )
+    old = json.loads(ran.stdout)
+    assert cited and not [title for title in cited if old[title]]
 
 
 @pytest.mark.slow

@@ -23,6 +23,16 @@ def growth(scene: Scene, frame: Frame, held: bool = False) -> float:
     return float(rate(exponents(scene, frame, held), friction(scene)).max())
 
 
+def needed_damping(scene: Scene, mu: np.ndarray) -> float:
+    """The damping over critical above which every wave decays, of all mu of a Frame; 0.0 without any that would not.
+
+    Waves are the modes with |mu| beyond 20 k_min: those nearer to zero are searched for in every run.
+    """
+    critical = friction(scene) / scene.damping
+    waves = mu[(np.abs(mu) > 5.0 * critical**2) & (mu.real < 0.0)]
+    return float((np.abs(waves.imag) / np.sqrt(-waves.real)).max(initial=0.0)) / critical
+
+
 def rate(mu, gamma: float) -> np.ndarray:
     """The larger Re(lambda) of lambda^2 + gamma lambda = mu; Re(mu) for infinite gamma."""
     mu = np.asarray(mu, complex)
