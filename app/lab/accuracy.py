@@ -8,9 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import panel as pn
 import param
 
 from app.lab.base import LabPage, side_by_side
+from app.on_loop import on_loop
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
 from solver.accuracy.compare import Point
@@ -37,6 +39,11 @@ class Accuracy(LabPage):
     points = param.List(doc="the Points measured so far")
 
     async def compute(self) -> None:
+        """Clear the points of another scene: a measurement takes a worker for a minute, so a button starts it."""
+        self.points = []
+
+    async def measure(self) -> None:
+        """Measure the scene; what takes less goes first."""
         self.points = []
         how = {"rank": HEAVY, "seconds": LONGEST, "private": True, "streams": True}
         async for share, report in jobs.parts(measure, self.scene, True, None, (SWEPT,), owner=id(self), **how):
@@ -47,7 +54,8 @@ class Accuracy(LabPage):
         look: dict[str, Any] = {"beside": True, "x_axis_type": "log", "y_axis_type": "log"}
         error = "largest relative error"
         charts = (self.chart(partial(self.curves, work), label, error, **look) for work, label in WORKS.items())
-        return [side_by_side(*charts)]
+        begin = on_loop(lambda event: self.start(self.measure))
+        return [pn.widgets.Button(label="Measure this scene", on_click=begin), side_by_side(*charts)]
 
     def curves(self, work: str) -> list[Curve]:
         """Return error over work of the scene, and of the default scene."""

@@ -1,14 +1,14 @@
 """Tasks for workers, and a queue that serves the owners of tasks in turn."""
 
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future
 from time import monotonic
 from typing import Any
 
 PATIENCE = 20.0  # s beyond a task's own limit; then its process is killed. A busy server is slow
 NOBODY = "the server"  # owner of the tasks that no visitor waits for
-# Purpose of a task: the screen; the exact run of a picture; an expensive one for the screen; anything else
+# Purpose of a task: the screen; the exact run of a picture; any that takes long; in the background, a second at most
 SCREEN, EXACT, HEAVY, LATER = range(RANKS := 4)
 # s of waiting that equal one rank: while sliders are dragged all the time, slow runs still get turns. With 2 s, a class
 # of 30 that drags on two cores gets half of the pictures, as exact runs take the workers
@@ -55,9 +55,9 @@ class FairQueue:
         if task in tasks:
             tasks.remove(task)
 
-    def take(self, most: int = LATER) -> Task | None:
-        """Remove and return the next task of this rank or a lower one, or None."""
-        first = [tasks[0] for owners in self._of[: most + 1] if (tasks := self._next(owners))]
+    def take(self, ranks: Collection[int] = range(RANKS)) -> Task | None:
+        """Remove and return the next task of these ranks, or None."""
+        first = [tasks[0] for rank in ranks if (tasks := self._next(self._of[rank]))]
         if not first:
             return None
         task = min(first, key=lambda task: task.due)

@@ -57,7 +57,8 @@ class WorkerSlot:
 class Pool:
     """Workers that may die and tasks that may hang; `status` is 'closed', 'warming', 'ready' or 'failing' (see `why`).
 
-    Owners take turns. Expensive and background tasks never take the last worker.
+    Owners take turns. Neither expensive tasks nor those in the background take the last worker, though both together
+    may: one in the background soon ends.
     """
 
     def __init__(self, size: int | None = None, patience: float = PATIENCE, make: Callable[[], Any] = Caller) -> None:
@@ -178,14 +179,19 @@ class Pool:
     def _dispatch(self):
         """Give the next tasks to idle workers."""
         while idle := [slot for slot in self._slots if slot.ready and slot.task is None]:
-            free = sum(slot.ready and (slot.task is None or slot.task.rank <= EXACT) for slot in self._slots)
-            expected = sum(slot.failures < STARTS for slot in self._slots)
-            task = self._queue.take(LATER if free > (expected > 1) else EXACT)
+            task = self._queue.take({SCREEN, EXACT} | {rank for rank in (HEAVY, LATER) if self._spare(rank)})
             if task is None:
                 break
             if task.set_running_or_notify_cancel():
                 task.slot, idle[0].task = idle[0], task
                 self._lock.notify_all()
+
+    def _spare(self, rank):
+        """Return whether tasks of a rank leave a worker to others, if one more is started."""
+        expected = sum(slot.failures < STARTS for slot in self._slots)
+        return sum(slot.ready and (slot.task is None or slot.task.rank != rank) for slot in self._slots) > (
+            expected > 1
+        )
 
     # The following methods run in the thread of a slot.
 

@@ -25,10 +25,10 @@ class Requests:
         """The fraction done, 0..1; None when no call is left."""
         return 1.0 - len(self.waiting) / self.count if self.waiting else None
 
-    def add(self, calls: Iterable[Call]) -> None:
-        """Request calls [(function, *arguments)] in the background."""
+    def add(self, calls: Iterable[Call], **how: Any) -> None:
+        """Request calls [(function, *arguments)] in the background. how: as for `Jobs.start`."""
         for call in calls:
-            self.add_one(call, partial(self._take_each, call))
+            self.add_one(call, partial(self._take_each, call), **how)
 
     def add_one(self, call: Call, take: Callable[[Any], None], **how: Any) -> None:
         """Request one more call; take(result) receives its result or Exception, at once if cached.

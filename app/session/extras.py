@@ -8,6 +8,7 @@ from typing import Any
 
 from app.service import tasks, worker
 from app.service.packing import Frames
+from app.service.pool import HEAVY
 from app.service.requests import Requests
 from app.session import orders
 from app.session.controls import NAMES, scene_from_address
@@ -34,7 +35,8 @@ class Film(Requests):
         shown = self.session.run
         if shown is not None and shown.number == run:
             call = (tasks.slow_motion, shown.scene, frame)
-            self.ask(call, lambda made: self._made(made, frame), seconds=LONGEST_FILM, private=True)
+            how = {"rank": HEAVY, "seconds": LONGEST_FILM, "private": True}
+            self.ask(call, lambda made: self._made(made, frame), **how)
 
     def _made(self, made, frame):
         if made is None or isinstance(made, str):

@@ -5,6 +5,7 @@ from math import inf
 from typing import Any
 
 from app.service import tasks, worker
+from app.service.pool import HEAVY
 from app.service.requests import Requests
 from app.session import orders
 from app.session.orders import order
@@ -43,7 +44,7 @@ class Share(Requests):
     def _write(self):
         kind, scene = next(iter(self.wanted.items()))
         seconds, take = tasks.LONGEST_FILE + worker.SLOW, partial(self._made, kind)
-        self.ask((tasks.file_of_run, scene, kind), take, seconds=seconds, private=True)
+        self.ask((tasks.file_of_run, scene, kind), take, rank=HEAVY, seconds=seconds, private=True)
 
     def _made(self, kind, body):
         del self.wanted[kind]

@@ -15,6 +15,8 @@ from .inverse import PRODUCTS, Solves
 from .problem import Problem
 from .state import SHARP, TINY, End
 
+SHARPER = 1e-4  # in place of a larger `accuracy` once a step has not become shorter: then Newton's steps converge
+
 
 @dataclass(frozen=True)
 class FoldOptions:
@@ -84,6 +86,8 @@ def _search(problem, guess, options):
             found = End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
             return found if matrix.slopes @ phi > 0.0 else None  # else the load has a minimum there
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
+            if slow:  # of thousands of soft nodes, rough null vectors lead to and fro
+                options = replace(options, accuracy=min(options.accuracy, SHARPER), products=PRODUCTS)
             if matrix is not None and matrix.solves.direct:  # iterations would fail again
                 options = replace(options, products=0)
             matrix = Bordered(problem, v, phi, psi, options)

@@ -90,7 +90,7 @@ class Solves:
             if (size := np.linalg.norm(r)) > wanted:
                 more, r = self._inverse(transposed, f.size).reduced(r, wanted / size)
                 x = x + more
-            if np.linalg.norm(r) <= 10.0 * wanted:  # a digit is worth less than factors
+            if np.linalg.norm(r) <= wanted:
                 return x, r
             self._lu = self._factors()
         x, r = np.zeros_like(f), f

@@ -220,6 +220,17 @@ def test_expensive_tasks_leave_a_worker_for_quick_ones(rank):
     workers.close()
 
 
+@pytest.mark.once
+def test_a_measurement_does_not_hold_back_the_small_tasks_of_others():
+    """A QR code waited a minute for it with two workers."""
+    workers = Pool(size=2)
+    both_at_work(workers)
+    slow = workers.submit(time.sleep, 10 * PATIENCE, rank=HEAVY, seconds=PATIENCE)
+    until(slow.running)
+    assert workers.submit(os.getpid, rank=LATER).result(PATIENCE) > 0 and slow.running()
+    workers.close()
+
+
 def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks(single, tmp_path):
     done, waiting = [], tmp_path / "waiting"
     waiting.touch()

@@ -73,6 +73,8 @@ def accuracy(browser, server):
     start = time.monotonic()
     tab, _ = opened(browser, f"{server.address}?lab=accuracy")
     for what, ready, alpha in (("stored diagram", POINT, PALE), ("first own point", POINT, OWN)):
+        if alpha == OWN:
+            tab.get_by_role("button", name="Measure this scene").click()
         tab.wait_for_function(ready, arg=alpha)
         print(f"accuracy   {what} after {time.monotonic() - start:.2f} s", flush=True)
     tab.get_by_role("button", name="Cancel").wait_for(state="hidden")
@@ -90,6 +92,7 @@ def drags(browser, server, moves):
         busy = turn % 2 == 1
         other = opened(browser, f"{server.address}?lab=accuracy&E={71 + turn}")[0] if busy else None
         if other:
+            other.get_by_role("button", name="Measure this scene").click()
             other.wait_for_function(POINT, arg=OWN)
         tab.bring_to_front()  # a tab in the background is not drawn
         settle(tab)

@@ -19,6 +19,7 @@ from scipy.ndimage import distance_transform_edt
 from app.pages import Sheet
 from app.service import metrics, tasks
 from app.service.cache import Cache
+from app.service.pool import HEAVY
 from app.views.plots import blank, draw, draw_image
 from solver import Scene, SceneError
 from solver.analysis.maps import REGIMES, Axis, Map, Point
@@ -143,14 +144,16 @@ class Page(Sheet):
         self.asking = True
         while self.left and len(self.sweep.waiting) < AT_ONCE:
             task = self.grid.task(self.left.pop(), self.known)
-            self.sweep.add([(tasks.map_point, replace(task, start=task.start and skeletons.get(task.start)))])
+            self.sweep.add(
+                [(tasks.map_point, replace(task, start=task.start and skeletons.get(task.start)))], rank=HEAVY
+            )
         self.asking = False
 
     def take(self, call: Any, result: Any) -> None:
         """Take the result of a point."""
         task = call[1]
         if isinstance(result, Exception):
-            result = Point(i=task.i, j=task.j, reason=getattr(result, "sentence", str(result))), None
+            result = Point(i=task.i, j=task.j, reason=str(result)), None
         point, skeleton = result
         if skeleton:
             skeletons.put(task.scene_there(), skeleton)
