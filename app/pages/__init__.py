@@ -60,11 +60,8 @@ def places() -> dict[str, Column]:
 class Sheet:
     """The page of one visitor, with its views {slot: View}. Subclasses override the handlers; the defaults do nothing.
 
-    `sweep` requests many calls from the workers, `single` one at a time. A page that `stays` keeps its figures, texts
-    and calls while it is closed.
+    `sweep` requests many calls from the workers, `single` one at a time.
     """
-
-    stays = False
 
     def __init__(self, session: Any, publish: Callable[..., None], views: dict[str, View]) -> None:
         self.session, self.publish, self.views = session, publish, views
@@ -106,15 +103,14 @@ class Pages:
     def __init__(self, session: Any) -> None:
         self.session = session
         self.slots = places()
-        self.name, self.closed = "", {}  # {name: page} of those that stay
-        self.page: Any = None
+        self.name, self.page = "", None
 
     def open(self, page: str) -> bool:
         """Show the page of this name instead of the open one, '' for none; return whether there is such a page."""
         self._leave()
         if page not in listed():
             return page == ""
-        self.name, self.page = page, self.closed.pop(page, None) or self._made(page)
+        self.name, self.page = page, self._made(page)
         with frozen(self.session.doc):
             for slot, view in self.page.views.items():
                 self.slots[f"{page}_{slot}"].children = [view.figure]
@@ -131,13 +127,10 @@ class Pages:
         return page
 
     def _leave(self):
-        """Remove the models and cancel the calls of the open page, unless it stays."""
+        """Remove the models and cancel the calls of the open page."""
         if self.page is not None:
             page, self.page = self.page, None
-            if page.stays:
-                self.closed[self.name] = page
-            else:
-                page.close()
+            page.close()
             for slot in page.views:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name = ""
@@ -146,14 +139,11 @@ class Pages:
     def close(self) -> None:
         """Cancel all calls: the visitor left."""
         self._leave()
-        for page in self.closed.values():
-            page.close()
-        self.closed.clear()
 
     def scene_changed(self) -> None:
         """The experiment shows another scene from now on."""
-        for page in filter(None, (self.page, *self.closed.values())):
-            page.scene_changed()
+        if self.page is not None:
+            self.page.scene_changed()
 
     def order(self, **values: Any) -> None:
         """Pass an order from the browser to the open page."""

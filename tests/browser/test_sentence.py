@@ -395,6 +395,13 @@ def test_smooth_sliding_is_one_phase_with_its_force_range(tab):
     assert seen[-1]["text"] == "It slides without slips: friction swings by ±357 N/m in every lattice period."
 
 
+def test_a_friction_that_vanishes_has_no_range_of_zero(tab):
+    """It swung by ±0 N/m."""
+    tab.evaluate("async () => { window.swing = (await import('http://scripts/js/sentence.js')).swing }")
+    assert tab.evaluate("swing({ low: -1e-6, high: 1e-6 })") == "too little to be shown"
+    assert tab.evaluate("swing({ low: -71.4, high: 71.4 })") == "by ±71.4 N/m"
+
+
 LOOPS = """async ({ now, speed, loops }) => {
     const { Run } = await import("http://scripts/js/run.js")
     const { unpackLater } = await import("http://scripts/js/packed.js")

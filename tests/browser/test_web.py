@@ -4,7 +4,7 @@ import http.server
 import threading
 
 import pytest
-from served import PATIENCE, Server, finished, patient
+from served import PATIENCE, Server, finished, from_menu, patient
 
 pytestmark = [pytest.mark.thorough]
 
@@ -81,6 +81,16 @@ def test_page_names_a_script_that_failed_before_the_connection(server, browser):
         page.goto(server.address)
     page.clock.run_for(11_000)
     page.get_by_role("alert").filter(has_text="a script of the page failed").wait_for()
+    page.close()
+
+
+def test_a_script_on_demand_that_does_not_arrive_is_reported_with_a_remedy(server, browser):
+    page = patient(browser.new_page())
+    page.route("**/tour.js*", lambda route: route.abort())
+    page.goto(server.address)
+    finished(page)
+    from_menu(page, "#tour")
+    page.get_by_text("A part of the page did not arrive. Check the connection, then reload the page.").wait_for()
     page.close()
 
 

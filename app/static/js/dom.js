@@ -18,6 +18,10 @@ export function onDrag(element, begin, move, end = () => {}) {
 // Write what an element says, if it says another thing
 export const tell = (element, text) => { if (element.textContent !== text) element.textContent = text }
 
+// A script that is loaded when it is needed; undefined where it does not arrive
+export const fetched = (importing) => importing().catch(() =>
+  say("notes", "A part of the page did not arrive. Check the connection, then reload the page."))
+
 // Text with a paragraph of its own, which is there only while there is something to say
 export function say(id, text) {
   by(id).hidden = !text

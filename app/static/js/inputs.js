@@ -4,7 +4,7 @@ import { namesScene, redo, undo } from "./address.js"
 import { dropPointer, onEvent } from "./bokeh.js"
 import { sendFile } from "./channel.js"
 import { theme } from "./colours.js"
-import { by, closest, on, onDrag, readdress, say } from "./dom.js"
+import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { CURVES, figures } from "./figures.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
@@ -99,7 +99,7 @@ function onKey(event) {
 }
 
 async function slowMotion() {
-  if (!me.run || exact(me.run)) (await import("./later/film.js")).slowMotion()
+  if (!me.run || exact(me.run)) (await fetched(() => import("./later/film.js")))?.slowMotion()
 }
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
@@ -139,8 +139,8 @@ export function connect() {
   }
   on("row", "change", ({ target }) => choosePreset(target.value))
   sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`),
-    async (content) => (await import("./later/trace.js")).read(content))
-  on("parameters", "click", async () => (await import("./drawer.js")).openDrawer())
+    async (content) => (await fetched(() => import("./later/trace.js")))?.read(content))
+  on("parameters", "click", async () => (await fetched(() => import("./drawer.js")))?.openDrawer())
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
@@ -155,17 +155,17 @@ export function connect() {
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", async ({ detail, target }) => {
     if (detail > 0) target.closest?.("button:not([popovertarget], .term)")?.blur()
-    if (target.matches?.(".as-table")) (await import("./tables.js")).openTable(target)
+    if (target.matches?.(".as-table")) (await fetched(() => import("./tables.js")))?.openTable(target)
   })
   on("play", "click", toggle)
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
-  on("pin", "click", async () => (await import("./later/pins.js")).pinRun())
-  on("take", "click", async () => (await import("./share.js")).open())
+  on("pin", "click", async () => (await fetched(() => import("./later/pins.js")))?.pinRun())
+  on("take", "click", async () => (await fetched(() => import("./share.js")))?.open())
   on("slow", "click", slowMotion)
   on("help", "click", KEYS["?"])
-  on("tour", "click", async () => (await import("./tour.js")).openTour())
+  on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("open-theory", "click", openTheory)
   on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })

@@ -5,7 +5,7 @@
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
 import { release } from "./bokeh.js"
-import { by, readdress } from "./dom.js"
+import { by, fetched, readdress } from "./dom.js"
 import { adopt, drawn, forget, shade } from "./figures.js"
 import { cover, declared, me, redraw, view } from "./store.js"
 
@@ -83,8 +83,8 @@ function show(name, wish = null) {
 // The script of a page, once it is there
 async function load(name) {
   if (!declared.scripts.includes(name) || name in modules) return
-  const script = await import(`../../pages/${name}/page.js`)
-  if (name in modules) return
+  const script = await fetched(() => import(`../../pages/${name}/page.js`))
+  if (!script || name in modules) return
   modules[name] = script
   script.connect?.()
 }

@@ -159,8 +159,10 @@ function stickBegins(run, k) {
   return at
 }
 
-const swing = ({ low, high }) => (
-  Math.abs(low + high) < SAME * (high - low) ? `by ±${withUnit("F", high)}`
+// How friction swings without slips, in words
+export const swing = ({ low, high }) => (
+  number("F", high - low) === "0" ? "too little to be shown"
+  : Math.abs(low + high) < SAME * (high - low) ? `by ±${withUnit("F", high)}`
   : `between ${number("F", low)} and ${withUnit("F", high)}`)
 
 // {low, high, from} of F where a whole run slides without slips, from its first top on; null
