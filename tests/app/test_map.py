@@ -50,6 +50,8 @@ def test_map_is_refined_from_coarse_to_complete(session):
     first = [call[1] for call in session.pages.page.sweep.waiting]
     corners = {(0, 0), (0, ROWS - 1), (COLUMNS - 1, 0), (COLUMNS - 1, ROWS - 1)}
     assert len(first) == AT_ONCE and {(task.i, task.j) for task in first} >= corners
+    empty = session.pages.page.published["texts"]
+    assert (empty["regimes-none"], empty["regimes-low"]) == ("not computed yet", "")  # it said that nothing slips
     assert answered(session) == COLUMNS * ROWS
     view = session.pages.page.views["map"]
     image = view.parts["map"].data_source.data["image"][0]

@@ -20,7 +20,9 @@ export function collect(run) {
   if (abscissa === "path") Object.assign(slip, { stage: run.leg(slip.at), U: run.curves.U_x[slip.at] })
   const key = JSON.stringify(scene), names = last ? Object.keys(scene).filter((name) => differ(name, scene)) : []
   const known = points.find((point) => point.key === key)
-  if (!known) points.push({ key, ...slip, scene, changed: names.length === 1 ? names[0] : null })
+  // the first one belongs to the depths, along which friction changes with the load
+  const changed = !last ? "delta_bar" : names.length === 1 ? names[0] : null
+  if (!known) points.push({ key, ...slip, scene, changed })
   last = known ?? points.at(-1)
 }
 
