@@ -76,9 +76,9 @@ class Place:
             if future.status == "finished":
                 return future.result(timeout=PATIENCE)
             error = future.exception(timeout=PATIENCE) if future.status == "error" else None
-            if done.is_set() or not self.alive():
+            if done.is_set() or (not self.ended.is_set() and self.client.status != "running"):
                 raise self._lost(error)
-            self._restart(key)
+            self._restart(key)  # else the worker computes to the end what nobody waits for
         except Lost:
             raise
         except Exception as gone:
