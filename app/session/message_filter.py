@@ -35,12 +35,13 @@ CHANGES = {"ModelChanged", "MessageSent"}  # of widgets, and clicks
 CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event with an order
 
 connected = set()  # ids of the sessions whose browsers are connected
+opened = set()  # ids of the sessions of research pages that were sent, and whose browsers may still connect
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
 def is_full(peer: str) -> bool:
-    """Whether the maximum number of browsers is connected; if so, count a rejection of this address."""
-    if len(connected) < VISITORS:
+    """Whether the maximum number of browsers is there; if so, count a rejection of this address."""
+    if len(connected) + len(opened) < VISITORS:
         return False
     metrics.count("rejected_visits")
     log.info("class full: a visitor was rejected", extra={"peer": peer})
@@ -65,6 +66,7 @@ class MessageFilter(WSHandler):
             name = get_session_id(self._token)
             if name in connected:
                 raise ValueError("a page has one browser")
+            opened.discard(name)
             if not is_full(self.request.remote_ip):
                 self.name = name
                 connected.add(name)

@@ -140,6 +140,15 @@ def test_plain_requests_do_not_count_as_visitors(address, monkeypatch):
     assert [get(f"{address}/app")[0] for _ in range(5)] == [200] * 5
 
 
+def test_research_pages_whose_browsers_do_not_connect_fill_the_class_for_a_minute(address, monkeypatch):
+    """Their sessions begin with the request; forty of them took 19 s of the loop of a class of five."""
+    monkeypatch.setattr(message_filter, "VISITORS", 2)
+    monkeypatch.setattr(message_filter, "connected", set())
+    assert [get(f"{address}/app?lab=stick_slip")[0] for _ in range(4)] == [200, 200, 503, 503]
+    message_filter.opened.clear()  # as CONNECTS ends
+    assert get(f"{address}/app")[0] == 200
+
+
 def test_a_too_long_address_is_answered_with_414(address):
     status, _, body = get(f"{address}/app?E=80&profile={random.Random(0).randbytes(3500).hex()}")  # not compressible
     assert status == 414 and b"address is too long" in body and b'href="./app"' in body
