@@ -25,9 +25,6 @@ CELLS = 30_000  # of a map, one byte each
 SHADES = 127  # levels of each sign in a map
 LEVEL = 1  # of zlib: half of the bytes, in 0.4 ms
 NOTHING = -128  # cells without traction
-SHOWN = ("delta_bar", "phi_ratio", "E")  # the parameters with a slider
-NO_FORCE = 1e-9  # F_bar that counts as zero: round-off without contact
-AGREE_U, AGREE_F = 1e-4, 1e-3  # tolerances of a predicted run: slips in nm; F over the largest |F|
 
 
 @dataclass(frozen=True)
@@ -49,24 +46,6 @@ def followed(skeleton: Skeleton, scene: Scene, at: float) -> Followed | str:
             return Followed(picture(there, at), there)
     except NotFollowed as why:
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # metrics count reasons without their numbers
-
-
-def compared(predicted: Skeleton, exact: Skeleton) -> tuple[float, float]:
-    """Return the errors of a predicted Skeleton: of its slips, nm; of F_bar, over the largest |F_bar|.
-
-    exact: the Skeleton of the run of the same scene.
-    """
-    scene = exact.scene
-    loads, slips = ([slip.load for slip in skeleton.slips] for skeleton in (predicted, exact))
-    if len(loads) != len(slips):
-        return float("inf"), float("inf")
-    U_x: Any = scene.shear_at(np.arange(scene.shear_increments + 1))  # type: ignore[arg-type]
-    clear = np.full(len(U_x), True)
-    for load in slips:  # a small error of the load moves a point to the other side of a slip
-        clear &= np.abs(U_x - load) > AGREE_U
-    F, F_bar = (skeleton.curve(U_x)[0] for skeleton in (predicted, exact))
-    off = np.abs(F - F_bar)[clear].max(initial=0.0)
-    return float(np.abs(np.subtract(loads, slips)).max(initial=0.0)), float(off / max(np.abs(F_bar).max(), NO_FORCE))
 
 
 def picture(skeleton: Skeleton, at: float) -> dict[str, Any]:

@@ -15,8 +15,6 @@ COUNTERS = {  # counters since the start
     "run_cache_hits": "runs found in the cache",
     "run_cache_misses": "runs that were not in the cache",
     "followed": "pictures of predicted runs during drags of sliders",
-    "agreed": "runs that agreed with their prediction: slips to 1e-4 nm, F to 1e-3 of its largest",
-    "disagreed": "runs that disagreed with their prediction",
     "tasks": "tasks that workers finished",
     "tasks_lost": "tasks that took too long or lost their worker",
     "worker_restarts": "workers replaced",

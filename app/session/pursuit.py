@@ -9,25 +9,23 @@ A drag, from the slider to the screen:
 5. `Pursuit` sends the picture, whose number acknowledges the order, and takes the newest request.
 6. `player.js` unpacks the picture and draws it.
 
-When the visitor releases the slider, the exact run replaces the last picture, and a worker compares the two. If
-following is impossible, the exact run starts at once.
+When the visitor releases the slider, the exact run replaces the last picture. If following is impossible, the exact run
+starts at once. `tests/bench/follow.py` measures how far both are apart.
 """
 
 import logging
 import time
 from functools import partial
-from math import isfinite
 from typing import Any
 
 from app import document
 from app.limits import increments_of
 from app.on_loop import on_loop
 from app.service import metrics, worker
-from app.service.following import AGREE_F, AGREE_U, SHOWN, Followed, compared, followed
+from app.service.following import Followed, followed
 from app.service.jobs import Job
 from app.service.packing import Frames
 from app.service.pool import EXACT, SCREEN
-from app.service.requests import Requests
 from app.session.orders import order
 from app.session.run import ERROR, Request, Run
 from app.session.stepped import Stepped, news
@@ -40,7 +38,6 @@ FIRST = 0.025  # s of work in the first part: the approach and the first shear, 
 SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
 PATIENCE = 0.5  # s that a newer request waits for a part: its budget plus the longest increment of most runs
 WAITS = 1.0  # s in the queue before a visitor sees the position
-OFF = "What was shown while the slider moved"  # a note begins with it
 
 
 class Pursuit:
@@ -61,7 +58,6 @@ class Pursuit:
         self.cautions: list[str] = []  # warnings about the last finished run
         self.job: Job | None = None
         self.since = 0.0  # s, monotonic: when the job began to wait for a worker
-        self.comparison = Requests(session)
         self.wake = Stepped(self._pursue(), partial(document.later, session.doc))
         self.wake.step()
 
@@ -84,7 +80,6 @@ class Pursuit:
     def close(self) -> None:
         """Cancel every call."""
         self.wake.close()
-        self.comparison.cancel()
         self.run = self.requested = None
 
     # orders of the visitor
@@ -266,31 +261,12 @@ class Pursuit:
         return came and not (self.held and not job.heavy and run.ends_within(SOON))
 
     def _end(self, run: Run, result: Any) -> None:
-        """After a run: compare it with the last picture, follow from it, and search the marks of the sliders."""
+        """After a run: follow from it, and search the marks of the sliders."""
         whole = run.packed
         skeleton = result.skeleton if run.state == "finished" and isinstance(result, Frames) else None
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
-        if skeleton is not None and self.shown == run.scene:
-            take = partial(self._compared, run.scene)
-            self.comparison.ask((compared, self.skeleton, skeleton), take, private=True)
         self.session.marks.seek(run.scene, skeleton)
         self.skeleton, self.shown = skeleton, None
-
-    def _compared(self, scene: Scene, off: tuple[float, float] | None) -> None:
-        """Count how the last picture of a scene agreed with its run, and show a note if it did not."""
-        if off is None:
-            return
-        off_U, off_F = off
-        agreed = off_U <= AGREE_U and off_F <= AGREE_F
-        metrics.count("agreed" if agreed else "disagreed")
-        if not agreed:
-            where = {name: getattr(scene, name) for name in SHOWN}
-            log.info("a followed run was off: slips by %.2g nm, F by %.2g of its largest, %s", off_U, off_F, where)
-            if self.session.scene == scene:
-                how = f"by {off_U:.2g} nm at a slip" if isfinite(off_U) else "by a slip more or less"
-                how = how if off_U > AGREE_U else f"by {100 * off_F:.2g} % of the largest force"
-                self.session.notes = [f"{OFF} was off {how}; the exact run has taken its place."]
-                self.session.publish()
 
     def fail_unexpectedly(self) -> None:
         """Log the traceback of a programming error, and show the visitor a message."""

@@ -2,7 +2,6 @@
 
 import zlib
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 import pytest
@@ -10,9 +9,8 @@ from visitor import NoPool, Page, say, slices, unpacked, whole_run
 
 from app.service import following, metrics, packing, worker
 from app.service.jobs import Jobs
-from app.service.pool import EXACT, LATER, SCREEN
+from app.service.pool import EXACT, SCREEN
 from app.session import pursuit
-from app.session.pursuit import OFF
 from app.session.run import Run
 from solver import Scene, follow
 
@@ -63,11 +61,11 @@ def test_a_predicted_picture_is_small_and_matches_the_exact_run(runs):
     np.testing.assert_allclose(curves["U_x"], exact["U_x"], atol=1e-5)
     for name in ("F_bar", "L_bar", "A_bar"):
         largest = np.abs(exact[name]).max()
-        np.testing.assert_allclose(curves[name], exact[name], atol=following.AGREE_F * largest)
+        np.testing.assert_allclose(curves[name], exact[name], atol=1e-3 * largest)
     np.testing.assert_array_equal(curves["slip"], exact["slip"])
     slips = exact["slip"] > 0
     assert slips.sum() == 3
-    np.testing.assert_allclose(curves["slip_at"][slips], exact["slip_at"][slips], atol=following.AGREE_U)
+    np.testing.assert_allclose(curves["slip_at"][slips], exact["slip_at"][slips], atol=1e-4)
     k = made.picture["shown"]
     assert exact["U_x"][k] == pytest.approx(9.0)
     first = made.picture["block"]["first"] - exact_head["first"]
@@ -208,13 +206,8 @@ def test_exact_run_starts_on_release_behind_predictions_of_others(page, runs):
     (task,) = page.pool.waiting(worker.compute)
     assert task.call[1] == NEXT and task.rank == EXACT
     assert page.status()["state"] == "refining"
-    before = {name: metrics.counted(name) for name in ("agreed", "disagreed")}
     page.pool.answer(page, worker.compute, whole_run(NEXT))
     assert page.status()["state"] == "finished" and len(page.chunks) > sent
-    (task,) = page.pool.waiting(following.compared)
-    assert task.rank == LATER
-    page.pool.answer(page, following.compared, following.compared(*task.call[1:]))
-    assert metrics.counted("agreed") == before["agreed"] + 1 and metrics.counted("disagreed") == before["disagreed"]
     assert page.status()["notes"] == []
 
 
@@ -226,25 +219,6 @@ def test_a_new_drag_cancels_the_exact_run(page, runs):
     (task,) = page.pool.waiting(worker.compute)
     move(page, 0.03)
     assert task.cancelled() and page.pool.waiting(following.followed)
-
-
-@pytest.mark.parametrize(
-    ("off", "text"),
-    [
-        ((0.02, 0.01), "by 0.02 nm at a slip"),
-        ((0.0, 0.9), "by 90 % of the largest force"),
-        ((inf, inf), "by a slip more or less"),
-    ],
-)
-def test_a_wrong_prediction_is_counted_and_reported_by_the_quantity_that_was_wrong(page, runs, off, text):
-    move(page, 0.02)
-    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT, 9.0))
-    page.order("release")
-    page.pool.answer(page, worker.compute, whole_run(NEXT))
-    before = metrics.counted("disagreed")
-    page.pool.answer(page, following.compared, off)
-    assert metrics.counted("disagreed") == before + 1
-    assert page.status()["notes"][0].startswith(f"{OFF} was off {text};")
 
 
 def test_exact_run_starts_at_once_if_a_prediction_fails_and_the_reason_is_counted(page):
@@ -318,13 +292,6 @@ def test_a_prediction_lost_with_its_worker_starts_an_exact_run(page):
     page.pool.waiting(following.followed)[0].set_exception(RuntimeError("killed"))
     page.run_next()
     assert page.pool.waiting(worker.compute)
-
-
-def test_predictions_are_compared_by_slip_positions_and_friction(runs):
-    same, other = (following.compared(runs[scene].skeleton, runs[NEXT].skeleton) for scene in (NEXT, SCENE))
-    assert same[0] < following.AGREE_U < other[0] and same[1] < following.AGREE_F < other[1]
-    smooth = whole_run(SCENE.changed(phi_ratio=0.002))  # slides without slips
-    assert following.compared(runs[NEXT].skeleton, smooth.skeleton) == (np.inf, np.inf)
 
 
 def test_a_predicted_state_that_is_not_finite_counts_as_not_followed(runs, monkeypatch):
