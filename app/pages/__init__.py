@@ -103,7 +103,8 @@ class Pages:
     def __init__(self, session: Any) -> None:
         self.session = session
         self.slots = places()
-        self.name, self.page = "", None
+        self.name = ""
+        self.page: Any = None
 
     def open(self, page: str) -> bool:
         """Show the page of this name instead of the open one, '' for none; return whether there is such a page."""
