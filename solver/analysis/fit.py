@@ -6,6 +6,7 @@ Source of the method: Branch, Coleman & Li 1999, doi:10.1137/S1064827595289108 (
 """
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -58,12 +59,19 @@ class Fit:
         return "\n".join([*lines, verdict, *(f"Caution: {each}" for each in self.warnings)])
 
 
-def fit(scene: Scene, measured: Measurement | Recording | Source, free: Sequence[str], limit: float = LIMIT) -> Fit:
+def fit(
+    scene: Scene,
+    measured: Measurement | Recording | Source,
+    free: Sequence[str],
+    limit: float = LIMIT,
+    executor: Executor | None = None,
+) -> Fit:
     """Fits parameters of a scene to a measured curve, given all others.
 
     Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
     `read_measurement`, friction in N/m or a loop, or what that reads; free: names of continuous parameters, or of AXES
-    but for a loop; limit: time limit, s.
+    but for a loop; limit: time limit, s; executor: any of `concurrent.futures`, which computes the runs of a loop's
+    derivatives at once (one stroke needs none).
     Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine, and about
     given parameters that could explain the same curve.
     Raises TypeError for a scene that is none; ValueError for names that cannot be free, or none, for an unusable file,
@@ -85,7 +93,7 @@ def fit(scene: Scene, measured: Measurement | Recording | Source, free: Sequence
     if isinstance(data, Recording):
         from .loop_fit import fit_of_loop  # it calls this for the first pull
 
-        return fit_of_loop(scene, data, tuple(free), limit)
+        return fit_of_loop(scene, data, tuple(free), limit, executor)
     check_plausible(scene, data)
     longest = max(float(data.U_x[-1]), scene.u_x_max)
     if "offset_U" in free:  # points move along the curve

@@ -4,7 +4,9 @@ A slip is a step of F, and a curve with steps has no derivative by a parameter t
 one, so both curves are averaged: over a period of the lattice first, then over ever fewer points.
 """
 
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
@@ -50,6 +52,7 @@ class LoopModel:
     measured: Recording
     free: tuple[str, ...]
     end: float
+    executor: Executor | None = None  # computes the runs of a derivative at once
     best: tuple[float, Floats, Comparison] | None = None
     runs: int = 0
     done: dict[tuple[float, ...], Comparison] = field(default_factory=dict)
@@ -60,7 +63,8 @@ class LoopModel:
         if key not in self.done:
             if perf_counter() > self.end:
                 raise TimeoutError
-            self.done[key] = self._compared(key)
+            self.runs += 1
+            self.done[key] = at(self.scene, self.measured, self.free, key)
         found, off = self.done[key], off_of(self.done[key])
         ends = np.cumsum([segment.x.size for segment in self.measured.segments if segment.name != "hold"])[:-1]
         averaged = np.concatenate([_mean(part, points) for part in np.split(off, ends)])
@@ -69,12 +73,18 @@ class LoopModel:
             self.best = cost, np.array(key), found
         return averaged
 
-    def _compared(self, x):
-        """The Comparison with the run at x; raises NotConverged, SceneError."""
-        self.runs += 1
-        values = dict(zip(self.free, x, strict=True))
-        scene = looped(self.scene.changed(**values), self.measured)
-        return compared(self.measured, Ran(scene, list(load_path(scene))))
+    def jacobian(self, x: Floats, points: int) -> Floats:
+        """(k, n) derivatives of the residuals, by differences; raises as `residuals`."""
+        step = STEP * points * np.maximum(np.abs(x), 0.1)
+        step *= np.where(x + step > [LIMITS[name].high for name in self.free], -1.0, 1.0)
+        beside = x + np.diag(step)
+        if self.executor is not None:
+            keys = [key for key in map(tuple, beside.tolist()) if key not in self.done]
+            run = partial(at, self.scene, self.measured, self.free)
+            self.done |= zip(keys, self.executor.map(run, keys), strict=True)
+            self.runs += len(keys)
+        here = self.residuals(x, points)
+        return np.array([self.residuals(each, points) - here for each in beside]).T / step
 
     def search(self, x: Floats, means: tuple[int, ...]) -> tuple[Floats, Floats]:
         """(x (n,) of least squares from a start, derivatives (k, n)), with these running means in turn."""
@@ -82,11 +92,17 @@ class LoopModel:
         for points in means:
             self.best = None
             found = least_squares(
-                self.residuals, np.clip(x, low, high), bounds=(low, high), x_scale=np.maximum(np.abs(x), 0.1),
-                diff_step=STEP * points, loss="soft_l1", xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
+                self.residuals, np.clip(x, low, high), self.jacobian, bounds=(low, high), loss="soft_l1",
+                x_scale=np.maximum(np.abs(x), 0.1), xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
             )  # fmt: skip
             x = found.x
         return x, found.jac
+
+
+def at(scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...]) -> Comparison:
+    """The Comparison with the run at values x of the free parameters; raises NotConverged, SceneError."""
+    scene = looped(scene.changed(**dict(zip(free, x, strict=True))), measured)
+    return compared(measured, Ran(scene, list(load_path(scene))))
 
 
 def off_of(found: Comparison) -> Floats:
@@ -112,13 +128,19 @@ def looped(scene: Scene, measured: Recording) -> Scene:
 
 
 def searched(
-    scene: Scene, measured: Recording, free: tuple[str, ...], start: Floats, limit: float, near: bool
+    scene: Scene,
+    measured: Recording,
+    free: tuple[str, ...],
+    start: Floats,
+    limit: float,
+    near: bool,
+    executor: Executor | None,
 ) -> tuple[LoopModel, Floats, Floats | None, str]:
     """(LoopModel, its best x (n,), derivatives (k, n) or None, what limits the values or "").
 
     near: whether `start` is that of a fit of the first pull, so that the finest mean suffices. Raises OutOfTime.
     """
-    model = LoopModel(scene, measured, free, perf_counter() + limit)
+    model = LoopModel(scene, measured, free, perf_counter() + limit, executor)
     try:
         x, jacobian = model.search(start, POINTS[-1:] if near else POINTS)
         return model, x, jacobian, ""
@@ -128,7 +150,9 @@ def searched(
         return model, model.best[1], None, f"stopped after {limit:g} s: the values are the best so far"
 
 
-def fit_of_loop(scene: Scene, measured: Recording, free: tuple[str, ...], limit: float) -> Fit:
+def fit_of_loop(
+    scene: Scene, measured: Recording, free: tuple[str, ...], limit: float, executor: Executor | None = None
+) -> Fit:
     """The Fit of a Recording of a loop: of its first pull, if it has that, then of all of it."""
     if measured.unfit:
         raise DataError(measured.unfit)
@@ -144,7 +168,7 @@ def fit_of_loop(scene: Scene, measured: Recording, free: tuple[str, ...], limit:
             start, near = np.array(list(fit(scene, stroke, free, 0.5 * limit).values.values())), True
         except (*NO_RUN, TimeoutError):  # then the search begins where the scene is
             pass
-    model, x, jacobian, caution = searched(scene, measured, free, start, limit, near)
+    model, x, jacobian, caution = searched(scene, measured, free, start, limit, near, executor)
     assert model.best  # a search computes one run at least, or raises
     _, x, found = model.best
     off = off_of(found)

@@ -1,5 +1,7 @@
 """Curves of every kind that instruments and runs write are read with their units and segments, or refused."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -131,6 +133,13 @@ def test_the_file_of_a_computed_loop_is_read_as_one(tmp_path, loop):
     found = read_measurement(SMALL, tmp_path / "loop.csv")
     assert (found.kind, names_of(found)) == ("loop", ["forth", "back", "forth"])
     assert found.residuals(loop).rms == pytest.approx({"F": 0.0, "L": 0.0, "A": 0.0}, abs=1e-6)
+
+
+def test_a_fit_of_a_loop_by_an_executor_is_the_same(loop):
+    data, free = measured_loop(loop, 0), ["E", "phi_ratio"]
+    with ThreadPoolExecutor(2) as executor:
+        alone, spread = (fit(SMALL.changed(E=31.0), data, free, executor=place) for place in (None, executor))
+    assert spread.values == pytest.approx(alone.values, rel=1e-6) and spread.reached == alone.reached
 
 
 @pytest.mark.parametrize("first", [0, 41])
