@@ -33,10 +33,11 @@ class Film(Requests):
         """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
         self.cancel()
         shown = self.session.run
-        if shown is not None and shown.number == run:
-            call = (tasks.slow_motion, shown.scene, frame)
-            how = {"rank": HEAVY, "seconds": LONGEST_FILM, "private": True}
-            self.ask(call, lambda made: self._made(made, frame), **how)
+        if shown is None or shown.number != run:
+            return self._made("the run on screen has changed; try again", frame)
+        call = (tasks.slow_motion, shown.scene, frame)
+        how = {"rank": HEAVY, "seconds": LONGEST_FILM, "private": True}
+        return self.ask(call, lambda made: self._made(made, frame), **how)
 
     def _made(self, made, frame):
         if made is None or isinstance(made, str):
