@@ -66,12 +66,12 @@ class Corrector:
         inverse = Inverse(self.problem.linearised(v).tangent, self.problem.size)
         return lambda r: -inverse.solve(r, *accuracy)
 
-    def solve(self, guess, s, secants, chord=None, arc=0.0) -> Solution | None:
+    def solve(self, guess, s, secants=None, chord=None, arc=0.0) -> Solution | None:
         """The Solution next to a guess (size,) at fixed load s, nm, or None.
 
         With a chord, the load changes so that <chord, v> = arc, nm. If Anderson steps fail, a second attempt is
         preconditioned by the inverse tangent at the equilibrium found last. Later solves keep that preconditioner. The
-        secant pairs of a failed attempt are dropped.
+        secant pairs of a failed attempt are dropped. Without any, each attempt begins with none.
         """
         self._origin = guess.copy() if self._origin is None else self._origin
         while True:
@@ -79,7 +79,8 @@ class Corrector:
             if solution is not None:
                 self._origin = solution.v
                 return solution
-            secants.forget()
+            if secants is not None:
+                secants.forget()
             if self._uses(self._origin):
                 return None
             self._use(self._origin)
@@ -93,6 +94,7 @@ class Corrector:
         while not worst <= problem.tolerance:  # nan neither is nor becomes a solution
             if left == 0 or not isfinite(worst):
                 return None
+            secants = self.secants() if secants is None else secants
             v_before, r_before = v.copy(), r.copy()
             move, change = secants.move(r, self._smooth), 0.0
             if chord is not None:

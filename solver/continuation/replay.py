@@ -59,9 +59,8 @@ def _repeated(problem, state, target, trace):
         target = load + shift
     passed = branch.at(load)
     guess = passed.v + shift * problem.direction
-    corrector = Corrector(problem)
     # secant pairs of a state near a fold may lead to the branch beyond it, so that none are kept
-    solution = corrector.solve(guess, target, corrector.secants())
+    solution = Corrector(problem).solve(guess, target)
     if solution is None or not _same(problem, guess, solution.v, branch, load):
         return None
     v = solution.v
