@@ -20,6 +20,7 @@ from solver import NotFollowed, Scene, advance, skeleton_from
 from solver.analysis.interior import transfer
 from solver.analysis.work import work_of
 from solver.continuation.state import Outcome
+from solver.mechanics.linearised import form
 from solver.run.frame import largest_overlap, largest_safe_damping
 from solver.run.load_steps import load_steps_of
 from solver.run.slices import in_time
@@ -86,6 +87,7 @@ def warm_up() -> None:
         _, checkpoint = advance(small, checkpoint, 1.0)
     advance(Scene(), None, 0.1)
     transfer(np.ones(1), np.ones(1), 2.0, 1.0, small.nu)
+    form(np.arange(1), *np.ones((3, 1)), np.ones((4, 1)), np.empty((2, 2)))  # which soft layers need only
 
 
 @contextmanager

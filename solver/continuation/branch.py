@@ -18,8 +18,9 @@ from .state import MOVED, PAST, TINY, End, Point, State
 from .trace import lagrange
 
 # With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches
-# that fail on very soft layers (E = 1) take twice as long.
-SEARCH = FoldOptions(accuracy=3e-3, products=100)
+# that fail on very soft layers (E = 1) take twice as long. With rough null vectors of thousands of soft nodes, steps go
+# to and fro
+SEARCH = FoldOptions(accuracy=3e-3, products=100, sharper=1e-4)
 
 # Of the last step, to a fold from its guess. Folds are found within 0.9 of it, on the box and on layers of 0.5 GPa;
 # searches that go farther find none, and took half of the time of soft layers

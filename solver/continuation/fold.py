@@ -8,14 +8,13 @@ Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibri
 """
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
 from .inverse import PRODUCTS, Solves
 from .problem import Problem
 from .state import SHARP, TINY, End
-
-SHARPER = 1e-4  # in place of a larger `accuracy` once a step has not become shorter: then Newton's steps converge
 
 
 @dataclass(frozen=True)
@@ -26,6 +25,7 @@ class FoldOptions:
     state: float = 3e-5  # units, last step of the state: its square is the error of the load
     # of the linear solves: a step leaves that part of the error. 1e-3 takes as many evaluations, in fewer steps
     accuracy: float = 1e-2
+    sharper: float = inf  # in place of a larger accuracy, once a step has not become shorter
     alike: float = 0.05  # units from where the matrix was formed, within which it serves: steps then gain a digit
     reach: float = 1.5  # units from the guess: beyond, it is another fold
     products: int = PRODUCTS  # most products of iterative solves with one matrix, before it is factorised
@@ -86,8 +86,8 @@ def _search(problem, guess, options):
             found = End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
             return found if matrix.slopes @ phi > 0.0 else None  # else the load has a minimum there
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
-            if slow:  # of thousands of soft nodes, rough null vectors lead to and fro
-                options = replace(options, accuracy=min(options.accuracy, SHARPER), products=PRODUCTS)
+            if slow and options.sharper < options.accuracy:
+                options = replace(options, accuracy=options.sharper, products=PRODUCTS)
             if matrix is not None and matrix.solves.direct:  # iterations would fail again
                 options = replace(options, products=0)
             matrix = Bordered(problem, v, phi, psi, options)

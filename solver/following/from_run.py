@@ -20,6 +20,7 @@ BRANCHES = 12  # branches of a skeleton; nearly all sliding runs repeat themselv
 FEWEST_STATES = 3  # states of a branch; others cannot be interpolated from fewer
 FORCE_ERROR = 1e-3  # of the largest force: error at the states of the run that followed runs promise to stay below
 MINOR_FORCE = 0.1  # of the larger force: least scale for errors of the smaller one, which may be held near zero
+WIDE = 0.25  # of the length of a branch, the widest gap between two of its states
 SLIP_ERROR = 1e-4  # nm: error of slips that followed runs promise to stay below
 
 
@@ -107,7 +108,21 @@ def _branch(scene, first, branch):
         raise NotFollowed(f"a branch ends by {branch.slip.kind} at {branch.end:g} nm: that is computed")
     if len(branch.states) < FEWEST_STATES:
         raise NotFollowed(f"a branch that begins at {branch.start:g} nm has only {len(branch.states)} states")
-    return thinned(scene, first, branch)
+    return thinned(scene, first, _filled(branch))
+
+
+def _filled(branch):
+    """The Branch with guesses of states in gaps wider than WIDE; a polynomial over them amplifies errors of the others.
+
+    A run keeps few states where the others give them, as on a straight branch.
+    """
+    while True:
+        loads = branch.loads
+        gaps = np.diff(loads)
+        k = int(gaps.argmax())
+        if gaps[k] <= WIDE * (loads[-1] - loads[0]):
+            return branch
+        branch = branch.added(branch.at(0.5 * (loads[k] + loads[k + 1])))
 
 
 def _compare(skeleton, passed, guess):

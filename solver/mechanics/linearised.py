@@ -104,7 +104,7 @@ class Linearised:
             return None
         kernels, J = self.contact.modes.kernels, self.J[:, nodes]
         tangent = np.empty((2 * nodes.size, 2 * nodes.size))
-        _form(nodes, *kernels, J, tangent)
+        form(nodes, *kernels, J, tangent)
         if not self.problem.held:
             return tangent
         column, rise = np.repeat([0.0, 1.0], nodes.size), self.scale * J[2:].ravel()
@@ -187,7 +187,7 @@ class Linearised:
 
 
 @kernel
-def _form(nodes, C_xx, C_zz, C_xz, J, out):
+def form(nodes, C_xx, C_zz, C_xz, J, out) -> None:
     """Fill out (2 m, 2 m) with C J - 1 of m nodes; NumPy takes eight times as long to gather C."""
     m, n = nodes.size, C_xx.size
     for i in range(m):

@@ -229,8 +229,8 @@ def frame_of(scene, problem, state, stage, index, residual, evaluations=0, slips
     """The Frame of a State of an Equilibrium; residual, nm."""
     U_x, U_z = problem.top(state.v, state.load)
     T = problem.traction(state.v)
-    u = problem.surface(state.v).copy()
+    u, numbers = problem.surface(state.v).copy(), forces_and_area(scene, T)
     for field in (u, T):
         field.flags.writeable = False
     position = scene, Stage(stage), index, float(U_x), 0.0 - float(U_z), problem.contact.first
-    return Frame(*position, u, T, *forces_and_area(scene, T), residual, evaluations, slips, repeated)
+    return Frame(*position, u, T, *numbers, residual, evaluations, slips, repeated)

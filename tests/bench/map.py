@@ -19,6 +19,7 @@ from solver.analysis.maps import Axis, Map, explore_map
 from solver.analysis.maps.point import touches
 from solver.analysis.maps.run import computed
 from solver.cli.options import scene_of
+from solver.executors import processes
 
 WANTED = 1e-3  # nm, of U_s
 
@@ -99,7 +100,7 @@ def main():
     arguments = parser.parse_args()
     grid = Map(scene_of(arguments.set), Axis.of(arguments.x), Axis.of(arguments.y))
     start = time.perf_counter()
-    points = list(explore_map(grid, arguments.workers))
+    points = list(explore_map(grid, processes(arguments.workers)))
     seconds = time.perf_counter() - start
     rows = list(checked(grid, points, arguments.checks))
     found = summary(points, seconds, rows)
