@@ -28,7 +28,7 @@ class _Uses:
 def one_thread() -> Iterator[None]:
     """BLAS has one thread within this context and its former number afterwards; also a decorator.
 
-    Within another one it costs nothing: setting the limit takes as long as three force evaluations.
+    Within another one it costs nothing: setting the limit takes as long as a force evaluation.
     """
     with _Uses.lock:
         _Uses.count += 1

@@ -64,7 +64,7 @@ class LoopModel:
             if perf_counter() > self.end:
                 raise TimeoutError
             self.runs += 1
-            self.done[key] = at(self.scene, self.measured, self.free, key)
+            self.done[key] = comparison_at(self.scene, self.measured, self.free, key)
         found, off = self.done[key], off_of(self.done[key])
         ends = np.cumsum([segment.x.size for segment in self.measured.segments if segment.name != "hold"])[:-1]
         averaged = np.concatenate([_mean(part, points) for part in np.split(off, ends)])
@@ -80,7 +80,7 @@ class LoopModel:
         beside = x + np.diag(step)
         if self.executor is not None:
             keys = [key for key in map(tuple, beside.tolist()) if key not in self.done]
-            run = partial(at, self.scene, self.measured, self.free)
+            run = partial(comparison_at, self.scene, self.measured, self.free)
             self.done |= zip(keys, self.executor.map(run, keys), strict=True)
             self.runs += len(keys)
         here = self.residuals(x, points)
@@ -99,7 +99,7 @@ class LoopModel:
         return x, found.jac
 
 
-def at(scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...]) -> Comparison:
+def comparison_at(scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...]) -> Comparison:
     """The Comparison with the run at values x of the free parameters; raises NotConverged, SceneError."""
     scene = looped(scene.changed(**dict(zip(free, x, strict=True))), measured)
     return compared(measured, Ran(scene, list(load_path(scene))))

@@ -22,8 +22,8 @@ from .trace import lagrange
 # to and fro
 SEARCH = FoldOptions(accuracy=3e-3, products=100, sharper=1e-4)
 
-# Of the last step, to a fold from its guess. Folds are found within 0.9 of it, on the box and on layers of 0.5 GPa;
-# searches that go farther find none, and took half of the time of soft layers
+# Of the last step, to a fold from its guess. Folds of random scenes and of a layer of 0.5 GPa lie within 0.9 of it;
+# searches that went farther found none
 REACH = 2.0
 
 # A "unit" is the problem's `unit`; distances of states are the largest of any unknown.

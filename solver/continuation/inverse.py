@@ -13,7 +13,7 @@ ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that har
 # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
 PRODUCTS = 240
 LITTLE = 0.1  # of a vector, left by a projection: its round-off is ten times as large, which is negligible
-REFINED = 4  # most solves with factors, of single precision, in half the time: each gains several digits
+REFINED = 4  # most solves with factors of single precision, each of which corrects the one before
 ROOM = 16  # pairs at first, as many as most searches need: memory for all, never touched, took half of a search's time
 
 
@@ -50,7 +50,7 @@ class Inverse:
             _project(self._q, k, self.rows, r, shares)
         if not (n := self.rows):
             return np.zeros(self.size), r
-        of_z, _ = dtrtrs(self._shares[:n, :n], shares[:n])  # SciPy's solve_triangular takes ten times as long for that
+        of_z, _ = dtrtrs(self._shares[:n, :n], shares[:n])  # SciPy's solve_triangular takes six times as long for that
         return of_z @ self._z[:n], r
 
     def _widen(self):

@@ -188,7 +188,7 @@ class Linearised:
 
 @kernel
 def form(nodes, C_xx, C_zz, C_xz, J, out) -> None:
-    """Fill out (2 m, 2 m) with C J - 1 of m nodes; NumPy takes eight times as long to gather C."""
+    """Fill out (2 m, 2 m) with C J - 1 of m nodes; NumPy takes some thirty times as long to gather C."""
     m, n = nodes.size, C_xx.size
     for i in range(m):
         for j in range(m):

@@ -207,7 +207,12 @@ class Page(Sheet):
         legend["quantity"] = label if self.of == "L_min" else f"{label} of the first slip"
         legend["none"] = "no contact to pull off" if self.of == "L_min" else "no slip"
         if not points:
-            legend |= {"low": "", "high": "", "none": "not computed yet", "text": "The first points are computed."}
+            legend |= {
+                "low": "",
+                "high": "",
+                "none": "not computed yet",
+                "text": "The first points are being computed.",
+            }
         done = len(points) / self.grid.size if self.sweep.waiting else None
         stopped = len(points) < self.grid.size and done is None
         axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
