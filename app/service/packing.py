@@ -97,7 +97,7 @@ def arrays(scene: Scene, rows: Any, last: bool) -> tuple[dict[str, Any], NDArray
         "scales": dict(zip(FIELDS, scales, strict=True)),
     }
     packed = np.array([np.rint(f / s).astype("<i2") for f, s in zip(fields, scales, strict=True)])
-    return of_block | _of_scene(scene), np.ascontiguousarray(curves), packed
+    return of_block | of_scene(scene), np.ascontiguousarray(curves), packed
 
 
 def _gap(scene, frames):
@@ -107,7 +107,7 @@ def _gap(scene, frames):
     return profile + np.array([frame.u[1] for frame in frames])
 
 
-def _of_scene(scene):
+def of_scene(scene):
     """What the header has of the scene: its parameters, stages, and what curves are drawn along; lengths in nm."""
     along, du_x, du_z = abscissa(scene), scene.du_x * scene.delta_t, scene.du_z * scene.delta_n
     return {

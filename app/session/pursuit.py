@@ -5,12 +5,12 @@ A drag, from the slider to the screen:
 1. `steer.js` sends the newest position after the server has answered the previous one: an order "scene" with `held`.
 2. `Session.change` reads the order and hands the scene to `Pursuit.request`.
 3. `Pursuit` starts one job. A newer request waits until the job ends; those in between are dropped.
-4. A worker continues the run on screen to the new parameters and packs the picture (service/following.py).
-5. `Pursuit` sends the picture, whose number acknowledges the order, and takes the newest request.
-6. `player.js` unpacks the picture and draws it.
+4. A worker continues the run on screen to the new parameters and packs its skeleton (service/following.py).
+5. `Pursuit` sends the skeleton, whose number acknowledges the order, and takes the newest request.
+6. `skeleton.js` computes the increments from it, and `player.js` puts the run on screen.
 
-When the visitor releases the slider, the exact run replaces the last picture. If following is impossible, the exact run
-starts at once. `tests/bench/follow.py` measures how far both are apart.
+The exact run replaces the predicted one RESTS after the visitor has released the slider. If following is impossible,
+the exact run starts at once. `tests/bench/follow.py` measures how far both are apart.
 """
 
 import logging
@@ -26,6 +26,7 @@ from app.service.following import Followed, followed
 from app.service.jobs import Job
 from app.service.packing import Frames
 from app.service.pool import EXACT, SCREEN
+from app.session import orders
 from app.session.orders import order
 from app.session.run import ERROR, Request, Run
 from app.session.stepped import Stepped, news
@@ -37,14 +38,15 @@ log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first part: the approach and the first shear, so that the page shows it soon
 SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
 PATIENCE = 0.5  # s that a newer request waits for a part: its budget plus the longest increment of most runs
+RESTS = 1.0  # s without a change before the exact run of a prediction starts: a class changes sliders more often
 WAITS = 1.0  # s in the queue before a visitor sees the position
 
 
 class Pursuit:
     """The computation for one visitor. Every method runs under the lock of the document.
 
-    `job` is the one in progress: of a picture, or of the exact run. The browser has the frames; the server keeps them
-    during a run, and then in the cache for all visitors.
+    `job` is the one in progress: of a prediction, or of the exact run. The browser has the frames; the server keeps
+    them during a run, and then in the cache for all visitors.
     """
 
     def __init__(self, session: Any) -> None:
@@ -53,8 +55,9 @@ class Pursuit:
         self.requested: Request | None = None  # the newest, until the coroutine takes it
         self.overdue = False  # whether it has waited for PATIENCE
         self.held = False  # whether a slider is held
+        self.rested = False  # whether the prediction on screen is to be replaced by its exact run now
         self.skeleton: Skeleton | None = None  # start of predictions
-        self.shown: Scene | None = None  # of the picture on screen, if there is one
+        self.shown: Scene | None = None  # of the prediction on screen, if there is one
         self.cautions: list[str] = []  # warnings about the last finished run
         self.job: Job | None = None
         self.since = 0.0  # s, monotonic: when the job began to wait for a worker
@@ -87,7 +90,7 @@ class Pursuit:
     def request(self, request: Request) -> None:
         """Show the run of a Request, at once or after the job in progress."""
         self.session.pages.scene_changed()
-        self.requested, self.held, self.overdue = request, request.held, False
+        self.requested, self.held, self.overdue, self.rested = request, request.held, False, False
         self.wake.step()
         if self.requested is request and self.state == "exact":
             self.session.doc.add_timeout_callback(on_loop(self._time_out, request), round(1000 * PATIENCE))
@@ -98,11 +101,20 @@ class Pursuit:
             self.overdue = True
             self.wake.step()
 
-    @order("release")
-    def release(self) -> None:
-        """Compute the exact run of the picture on screen: the visitor released the slider."""
-        self.held = False
-        self.wake.step()
+    @order("release", exact=orders.is_flag)
+    def release(self, exact: bool = False) -> None:
+        """Compute the exact run of the prediction on screen RESTS from now, or at once: the slider was released."""
+        self.held, at = False, self.session.scene
+        if exact:
+            self._rest(at)
+        else:
+            self.session.doc.add_timeout_callback(on_loop(self._rest, at), round(1000 * RESTS))
+
+    def _rest(self, scene: Scene) -> None:
+        """Compute the exact run now, unless the visitor has left or changed the scene since."""
+        if not self.session.closed and not self.held and scene is self.session.scene:
+            self.rested = True
+            self.wake.step()
 
     @order("pause")
     def pause(self) -> None:
@@ -145,12 +157,12 @@ class Pursuit:
                 self.fail_unexpectedly()
 
     async def _newest(self) -> Request:
-        """Return the newest request; for a picture on screen, after the slider was released, its exact run."""
+        """Return the newest request; for a prediction on screen that has rested, its exact run."""
         while True:
             if self.requested is not None:
                 request, self.requested = self.requested, None
                 return request
-            if self.shown is not None and not self.held:
+            if self.shown is not None and self.rested:
                 return Request(self.shown, refines=True)
             await news()
 
@@ -167,7 +179,7 @@ class Pursuit:
     # following
 
     async def _follow(self, request: Request) -> bool:
-        """Show the predicted run of a request; return False if it must be computed."""
+        """Show the predicted run of a request; return False if the run must be computed."""
         skeleton = self._nearest(request.scene)
         if skeleton is None:
             return False
@@ -175,7 +187,7 @@ class Pursuit:
             self.run.state = "skipped"
         self.session.marks.cancel()  # until the next run has ended
         try:
-            job = self._start(followed, skeleton, request.scene, request.at, rank=SCREEN, private=True)
+            job = self._start(followed, skeleton, request.scene, rank=SCREEN, private=True)
             while not job.done and (self.requested is None or self.requested.held):
                 await news()
         finally:
@@ -188,7 +200,7 @@ class Pursuit:
             return False
         metrics.count("followed")
         self.skeleton, self.shown = job.result.skeleton, request.scene
-        self.session.send("picture", acknowledged=request.number, **job.result.picture)
+        self.session.send("skeleton", acknowledged=request.number, body=job.result.body)
         return True
 
     def _nearest(self, scene: Scene) -> Skeleton | None:

@@ -15,13 +15,11 @@ ENDED = "skipped", "finished", "failed"
 class Request:
     """The Scene to show.
 
-    held: a slider is held, and the frame at U_x = `at` nm is on screen; number: of the order with this request.
-    refines: the exact run of the picture on screen.
+    held: a slider is held; number: of the order with this request. refines: the exact run of the prediction on screen.
     """
 
     scene: Scene
     held: bool = False
-    at: float = 0.0
     number: float | None = None
     refines: bool = False
 
@@ -35,7 +33,7 @@ class Run:
     total: int  # expected number of frames
     state: str
     started: float  # s, monotonic
-    refines: bool = False  # whether it replaces a picture: the browser shows it when complete
+    refines: bool = False  # whether it replaces a prediction: the browser shows it when complete
     known: bool = False  # whether it was in the cache
     paused: float = 0.0  # s, monotonic: when it was paused last
     parts: int = 0  # of its job that were sent
@@ -54,7 +52,7 @@ class Run:
 
     @property
     def shown_state(self) -> str:
-        """The state for the browser: a run that replaces a picture is refining."""
+        """The state for the browser: a run that replaces a prediction is refining."""
         return "refining" if self.refines and self.state == "running" else self.state
 
     def pause(self, now: float) -> None:

@@ -96,11 +96,11 @@ class Session:
         """Start the first run: the page is ready."""
         self.pursuit.request(Request(self.scene))
 
-    @order("scene", values=orders.are_entries, held=orders.is_flag, at=orders.is_number)
-    def change(self, values: dict[str, Any], held: bool = False, at: float = 0.0) -> None:
+    @order("scene", values=orders.are_entries, held=orders.is_flag)
+    def change(self, values: dict[str, Any], held: bool = False) -> None:
         """Change parameters {name: text}. Each invalid one leaves a message, and the run on screen stays.
 
-        held: a slider is held: predicted pictures with the frame at U_x = `at` nm follow it.
+        held: a slider is held: predicted runs follow it.
         """
         self.notes = []
         scene, self.errors = controls.changed_scene(self.scene, values, self.notes)
@@ -108,7 +108,7 @@ class Session:
             self.publish()
         else:
             self.scene = scene
-            self.pursuit.request(Request(scene, held, at, self.acknowledged))
+            self.pursuit.request(Request(scene, held, self.acknowledged))
 
     @order(
         "file",

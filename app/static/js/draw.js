@@ -24,15 +24,15 @@ export function connect() {
   cover(["picture"], drawCanvases)
 }
 
-// The increment to show: that pointed at, or played at; a picture that follows a slider has only its own
-const shown = () => me.run.shown ?? Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
+// The increment to show: that pointed at, or played at
+const shown = () => Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
 
 function draw() {
   const { run, film } = me, time = performance.now()
   if (film) return drawIncrement(film.run, film.k)
   if (!run?.length || (run.sheared < 0 && !me.following && me.at > run.length - 1)) return
   const k = shown()
-  by("scrub").max = Math.max(run.length - 1, Number(by("scrub").max) || 0)
+  by("scrub").max = run.whole ? run.length - 1 : Math.max(run.length - 1, Number(by("scrub").max) || 0)
   if (run.sheared >= 0) {
     drawPart(run, k, time)
     drawStage(run, k, time)

@@ -99,13 +99,13 @@ function onKey(event) {
 }
 
 async function slowMotion() {
-  if (!me.run || exact(me.run)) (await fetched(() => import("./later/film.js")))?.slowMotion()
+  if (!me.run?.stored) (await fetched(() => import("./later/film.js")))?.slowMotion()
 }
 
 // Hovering a curve shows that increment in every view while playback rests; a click goes there
 const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
 function connectCurve(figure) {
-  onEvent(figure, "mousemove", (event) => { if (!me.playing && !me.run?.followed) me.preview = there(event) })
+  onEvent(figure, "mousemove", (event) => { if (!me.playing) me.preview = there(event) })
   onEvent(figure, "mouseleave", () => { me.preview = null })
   onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
 }

@@ -12,9 +12,10 @@ import * as inputs from "./inputs.js"
 import { connectInside } from "./inside.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
-import { inflateLater, unpackLater } from "./packed.js"
+import { unpackLater } from "./packed.js"
 import * as pages from "./pages.js"
 import * as player from "./player.js"
+import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
@@ -48,7 +49,7 @@ export function start({ wire, figures, slots, declarations, index }) {
   connectSlips()
   connectTheory()
   channel.take("run", player.receive, unpackLater)
-  channel.take("picture", player.follow, inflateLater)
+  channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)
   channel.take("page", pages.receive, pages.read)
   player.connectStored()

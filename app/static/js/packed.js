@@ -13,16 +13,13 @@ export async function unpackLater({ body, ...message }) {
 }
 
 // What was deflated, an ArrayBuffer, in a while
-const inflated = (bytes) =>
+export const inflated = (bytes) =>
   new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer()
-
-// The message of a picture with its body inflated, in a while
-export const inflateLater = async ({ body, ...message }) => ({ ...message, body: await inflated(body) })
 
 const named = (names, numbers, size) =>
   Object.fromEntries(names.map((name, k) => [name, numbers.subarray(k * size, (k + 1) * size)]))
 
-export function chunkOf(head, curves, fields) {
+function chunkOf(head, curves, fields) {
   return {
     head,
     columns: named(head.columns, curves, head.frames),

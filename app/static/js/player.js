@@ -3,10 +3,10 @@
 import { heard, order } from "./channel.js"
 import { by } from "./dom.js"
 import { unpackLater } from "./packed.js"
-import { Picture } from "./picture.js"
 import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
 import { AFTER, firstOfPath } from "./sentence.js"
+import { chunkFrom } from "./skeleton.js"
 import { restore, sendNext } from "./steer.js"
 import { declared, exact, me, now, reduced, set, touch, view } from "./store.js"
 
@@ -18,6 +18,7 @@ export function connect() {
     by("play").textContent = (me.film ? !me.film.paused : me.playing) ? "Pause" : "Play"
   })
   view(["run"], () => { by("play").disabled = !me.run })
+  view(["dragging"], () => { if (!me.dragging && me.run?.few) showPredicted(false) })
 }
 
 // A chunk of the run on screen, or of the one to come
@@ -30,7 +31,7 @@ export function receive(chunk) {
 }
 
 // Add a chunk of a run that is not on screen yet, and return whether it takes the screen. It does at once; but where a
-// prediction or a stored run of the same scene is shown, only when it is complete, so that nothing jumps
+// predicted or a stored run of the same scene is shown, only when it is complete, so that nothing jumps
 function replaced(chunk) {
   if (coming?.number !== chunk.run) coming = new Run(chunk.run, chunk.head)
   coming.add(chunk)
@@ -44,14 +45,28 @@ function standsIn(run, { state }) {
   return run?.stored ? !me.stale : Boolean(run?.followed) && state === "refining"
 }
 
-// A picture of where the hand is, or was a moment ago; first the server hears where it is now
-export function follow(message) {
-  heard(message.acknowledged)
+let predicted = null, count = 0 // the skeleton of the last prediction; how many runs were made of them
+
+// The skeleton of where a slider is, or was a moment ago; first the server hears where it is now
+export function follow({ acknowledged, skeleton }) {
+  heard(acknowledged)
   sendNext()
   if (!me.run?.length || me.waiting.some(({ what }) => what !== "scene")) return // another experiment was chosen
-  const picture = new Picture(message, me.run)
-  begin(picture)
-  set({ at: picture.shown, following: false })
+  predicted = skeleton
+  showPredicted(me.dragging)
+}
+
+// A predicted run at the displacement on screen; few: with few increments, on the axes of the run before
+function showPredicted(few) {
+  const { run: before } = me, U_x = before.sheared >= 0 && now() >= before.sheared ? before.curves.U_x[now()] : 0
+  const chunk = chunkFrom(predicted, few, U_x), run = new Run(--count, chunk.head)
+  const near = (at) => Math.abs(chunk.columns.U_x[at] - U_x)
+  const shown = chunk.columns.U_x.reduce((best, _, at) => (near(at) < near(best) ? at : best), 0)
+  Object.assign(run, { followed: true, few })
+  run.add(chunk, few ? [0, shown] : undefined)
+  if (few) run.keepSpans(before)
+  begin(run)
+  set({ at: shown, following: false, place: null })
 }
 
 // A stored run takes the screen until the computed one is whole
@@ -79,7 +94,7 @@ function toPlace() {
 }
 
 export const isPlayed = () => me.playing && !me.dragging && (!me.stale || me.lost || me.run?.stored)
-  && !me.run?.followed && !me.following && me.run?.sheared >= 0 && me.preview === null
+  && !me.following && me.run?.sheared >= 0 && me.preview === null
 
 let last = null // ms, of the last step of playing; null: it does not play
 function roll() {
@@ -113,7 +128,7 @@ function advance(passed) {
   me.clock += passed
   const speed = seen === run.number ? me.speed : paceAt(run, me.at, me.speed)
   me.at += (passed * speed) / size
-  const ended = run.stored || ["finished", "skipped", "failed"].includes(me.status.state)
+  const ended = run.stored || run.followed || ["finished", "skipped", "failed"].includes(me.status.state)
   if (ended && me.at > run.length - 1 + me.speed / size) { // after a second at the end
     seen = run.number
     me.at = run.beginning

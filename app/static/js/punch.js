@@ -77,7 +77,7 @@ const seen = ({ head: { flat, spacing } }, half) => (flat ? Math.min(half, SITES
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
-  if (me.dragging || run.followed) return
+  if (me.dragging) return
   const { map, punch } = figures, { flat } = run.head, half = run.apart ? map.y_range.end : reach(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat

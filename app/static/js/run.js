@@ -11,6 +11,8 @@ export const REAL = { // N/m, nm
 // What stretches the drive along a coordinate: a force, and which parameter its stiffness is (MPa/nm)
 const DRIVES = { U_x: ["F", "drive_t"], delta: ["L", "drive_n"] }
 
+// Times what an axis of arrows or tractions has room for, from which on it gets more; so many times what it needs
+const BEYOND = 1.1, ROOM = 1.3
 const SPAN = { // of the frames of a run, from the first of shear on by default
   T_high: 0, T_low: 0, // GPa, strongest repulsion, and attraction
   T_out: 0, T_back: 0, // GPa, the strongest tangential traction against +x, and along it
@@ -18,7 +20,7 @@ const SPAN = { // of the frames of a run, from the first of shear on by default
   reach: 0, // nm from the middle within which anything acts
   strongest: 0, // N/m, of F and L: of the frames of shear once there are any
 }
-export const SPANS = Object.keys(SPAN)
+const SPANS = Object.keys(SPAN)
 const least = (list) => list.reduce((a, b) => Math.min(a, b), 0)
 const largest = (list) => list.reduce((a, b) => Math.max(a, b), 0)
 
@@ -38,14 +40,11 @@ export class Run extends Frames {
 
   get scene() { return this.head.scene }
 
-  // Whether the fields of frame k are here
-  has() { return true }
-
   // Numbers of the frames that a test of them holds for
   frames(test) { return [...this.places.keys()].filter(test) }
 
-  // Append one chunk
-  add(chunk) {
+  // Append one chunk; measured: the rows that the spans are to hold, all by default
+  add(chunk, measured = chunk.columns.U_x.keys()) {
     const { frames, last } = chunk.head
     this.whole = last
     for (const name of this.head.columns) this.curves[name].push(...chunk.columns[name])
@@ -53,10 +52,19 @@ export class Run extends Frames {
       const [bar, unit] = REAL[name], by = unit(chunk.head)
       for (const value of chunk.columns[bar]) this.curves[name].push(value * by)
     }
-    for (let row = 0; row < frames; row++) {
-      this.places.push([chunk, row])
-      this.measure(this.length - 1)
-    }
+    const { length } = this
+    for (let row = 0; row < frames; row++) this.places.push([chunk, row])
+    for (const row of measured) this.measure(length + row)
+  }
+
+  // The axes of the run before stay while a slider moves, but for arrows and bands, which would leave the view
+  keepSpans(before) {
+    const { strongest, T_high, T_low, T_out, T_back } = this
+    for (const name of SPANS) this[name] = before[name]
+    for (const k of this.curves.F.keys()) this.weigh(k)
+    this.strongest = Math.max(this.strongest, strongest)
+    for (const [name, value] of Object.entries({ T_high, T_low, T_out, T_back }))
+      if (value * this[name] > BEYOND * this[name] ** 2) this[name] = ROOM * value
   }
 
   // Take frame k into what is known of all of them

@@ -39,7 +39,7 @@ export function phaseSentence(run, k) {
 }
 
 function jerks(run, [first, second]) {
-  const [a, b] = run.followed ? [{}, {}] : [first, second].map((at) => run.slipTo(at))
+  const [a, b] = [first, second].map((at) => run.slipTo(at))
   if (!(a.all && b.all && a.sites && a.sites === b.sites))
     return tell("jerks", "Sliding in jerks: the contact sticks, slips, sticks again.")
   return tell("jerks", `Sliding in jerks: it sticks, slips ${nm(a.sites * run.head.spacing)}, sticks again.`)
@@ -70,7 +70,7 @@ export function nowSentence(run, k, playing = false) {
 function jumped(run, at, k) {
   const { A, L } = run.curves, frame = run.frame(k), held = frame.T_n.some((_, i) => frame.state(i) !== "free")
   if (run.stage(at) === "unload") {
-    if (run.followed || !held) return tell(`off ${at}`, "It lets go: the surfaces jump apart.")
+    if (!held) return tell(`off ${at}`, "It lets go: the surfaces jump apart.")
     return tell(`part ${at}`, "A part of the contact lets go at once.")
   }
   const closer = L[at] < L[at - 1]
@@ -98,7 +98,7 @@ function pressed(run, k, stage) {
 
 function slid(run, at, playing) {
   const { F } = run.curves, start = eventOf(run, at)
-  const { gone, all, sites, shiftText } = run.followed ? {} : run.slipTo(at)
+  const { gone, all, sites, shiftText } = run.slipTo(at)
   const part = gone && !all ? "A part of the contact slips" : "It slips"
   const far = sites && all ? ` by ${shiftText}, ${nm(sites * run.head.spacing)}` : ""
   const [was, is] = [start.F, F[at]].map(Math.abs), turns = F[at] * start.F < 0
@@ -135,7 +135,7 @@ function pulled(run, k) {
     return tell("tension", "Nothing is pressed together any more, yet it holds: attraction alone carries the friction.")
   if (flat)
     return tell("stick flat", "It sticks: every spring stretches alike, and friction grows with the pull.")
-  const now = run.edges(k), then = run.followed ? null : run.edges(begun)
+  const now = run.edges(k), then = run.edges(begun)
   if (!now || !then || run.patches(k).length > 1)
     return tell("stick", "It sticks: the punch leans over, and friction grows with the pull.")
   const both = [now[0] - then[0], then[1] - now[1]], [behind, front] = way > 0 ? both : both.toReversed()
@@ -182,12 +182,11 @@ function smooth(run, k) {
 
 const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
 
-// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F and L (N/m), A (nm)}; of a run
-// that is followed only the frame before is known; null where there is no slip
+// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F and L (N/m), A (nm)}; null
+// where there is no slip
 function eventOf(run, at) {
   if (at < 0) return null
-  const { F, L, A, U_x, slip_at: load, F_slip, L_slip, slip_A } = run.curves
-  if (!load?.[at]) return { at, U: U_x[at], F: F[at - 1], L: L[at - 1], A: A[at - 1] }
+  const { slip_at: load, F_slip, L_slip, slip_A } = run.curves
   return { at, U: load[at], F: F_slip[at], L: L_slip[at], A: slip_A[at] * 2 * run.head.middle }
 }
 export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
@@ -236,7 +235,7 @@ export function changeSentence(run, before) {
 
 // Whether the surfaces never hold on to each other once the top is pulled, as far as the frames are here
 const apartAlways = (run) => (
-  run.heldNowhere ??= !run.frames((k) => k >= run.sheared && run.has(k)).some((k) => holds(run, k)))
+  run.heldNowhere ??= !run.frames((k) => k >= run.sheared).some((k) => holds(run, k)))
 const forces = (now, then) => `${withUnit("F", now)} instead of ${withUnit("F", then)}`
 const compared = (head, verb, now, then) =>
   (now === then ? tell("change none", `${head}: hardly a difference.`)

@@ -161,6 +161,7 @@ function tellState() {
 }
 
 function tellWork({ state, frames, total, evaluations, seconds, tolerance, known, residual }) {
+  if (me.run?.followed) return tell(by("computed"), "This run is predicted from the run before.")
   const time = known ? "computed before" : `${seconds} s`
   const end = state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : "."
   tell(by("computed"), `${frames} of ${total} increments, ${evaluations} force evaluations, ${time}; `

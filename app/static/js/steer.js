@@ -4,7 +4,7 @@
 import { order } from "./channel.js"
 import { by } from "./dom.js"
 import { place, tellDepth } from "./sliders.js"
-import { declared, beginChange, me, now, redraw } from "./store.js"
+import { declared, beginChange, me, redraw } from "./store.js"
 
 const BURST = 900 // ms between two moves of one slider that are one drag
 
@@ -23,15 +23,11 @@ export function enter(values) {
   sendNext()
 }
 
-// Whether the top has been pulled at the increment on screen
-const sheared = () => me.run?.sheared >= 0 && now() >= me.run.sheared
-
 // Send what was entered. In a drag, the newest position goes as soon as the last one sent has been answered, so that
 // nothing queues.
 export function sendNext(held = me.dragging) {
   if (!me.entered || (me.dragging && me.waiting.length)) return
-  const at = sheared() ? me.run.curves.U_x[now()] : 0
-  order("scene", { values: me.entered, ...(held && { held, at }) })
+  order("scene", { values: me.entered, ...(held && { held }) })
   me.entered = null
 }
 

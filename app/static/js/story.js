@@ -27,8 +27,7 @@ export function drawStory(run, k) {
   const box = frameBox(figures.punch), pen = cleared(by("story"))
   if (!box || !pen) return
   const { X, Y } = box, frame = drawnFrame(run, k)
-  // of the motion of those that are followed two frames are known
-  const slip = run.followed ? null : run.slipBefore(k, MARKED)
+  const slip = run.slipBefore(k, MARKED)
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
   within(pen, box, () => {
     if (run.head.flat) drawLattice(view)

@@ -43,7 +43,6 @@ function increments(run, title, headings, cells) {
 
 // Where anything acts in a frame, in places of the undeformed punch
 function acting(values, run, k) {
-  if (!run.has(k)) return ["–", "–", "–", "–"]
   const { first, spacing, middle } = run.headOf(k), frame = run.frame(k)
   const states = Array.from(frame.gap, (_, i) => frame.state(i))
   const count = (...of) => states.filter((state) => of.includes(state)).length
@@ -56,7 +55,7 @@ function acting(values, run, k) {
 export function openTable({ dataset: { view }, parentElement: caption }) {
   if (!(view in TABLES)) openData(view, caption.querySelector("b").textContent)
   else if (me.run?.length)
-    open(TABLES[view](me.run, me.run.shown ?? Math.max(0, Math.min(me.drawn, me.run.length - 1))))
+    open(TABLES[view](me.run, Math.max(0, Math.min(me.drawn, me.run.length - 1))))
 }
 
 const GRID = [9, 9] // values of an image in its table, across and down

@@ -75,7 +75,7 @@ export function tellFrame(run, k) {
     `${forceText(v, "F")},`, `${forceText(v, "L")},`, `${areaText(v)}${slipped}`,
     work,
   ]
-  by("increment").textContent =
-    `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
+  by("increment").textContent = run.followed ? "This increment is predicted from the run before."
+    : `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
   texts.forEach((text, i) => { by("readout").children[i].textContent = text })
 }

@@ -8,7 +8,7 @@ import { cleared, inks, line, over, size, write } from "../pen.js"
 import { goto, toggle } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
-import { cover, me, now, redraw, view } from "../store.js"
+import { cover, exact, me, now, redraw, view } from "../store.js"
 import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
@@ -19,18 +19,35 @@ const SAID = 5000 // ms, for which a sentence stays
 // {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, axis: its
 // ends before}; the state on screen is `me.film`
 let film = null
+let awaited = null // the predicted run for whose exact one slow motion waits
 
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
   if (film) return leave()
   const { run } = me, at = now(), k = at < 0 ? null : run.slipBefore(at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
+  if (run.followed) return waitForExact(run)
   if (k === null)
     return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   goto(k)
   film = { run, k, frames: null, clock: 0, before: 0 }
   tell("solving the motion …")
   order("film", { run: run.number, frame: k })
+}
+
+// A predicted run has no motions: those of the exact run, as soon as it is there
+function waitForExact(run) {
+  awaited = run
+  tell("the exact run comes first …")
+  order("release", { exact: true })
+}
+
+function look() {
+  if (film && (me.run !== film.run || now() !== film.k)) leave()
+  if (!awaited || me.run === awaited) return
+  awaited = null
+  tell("")
+  if (exact(me.run)) slowMotion()
 }
 
 function tell(text) {
@@ -136,4 +153,4 @@ function leave() {
 take("film", receive, unpackLater)
 take("film failed", ({ why }) => { if (film && !film.frames) refuse(`Slow motion: ${why}.`) })
 cover(["picture"], drawTrace)
-view(["run", "at"], () => { if (film && (me.run !== film.run || now() !== film.k)) leave() })
+view(["run", "at"], look)

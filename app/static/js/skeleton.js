@@ -1,0 +1,130 @@
+// A run that slides, from its skeleton (format: app/service/skeletons.py): every increment is computed here, as
+// solver/following/skeleton.py and solver/continuation/trace.py do it.
+
+import { lawOf } from "./law.js"
+import { inflated } from "./packed.js"
+
+const STENCIL = 6 // states for interpolation
+const FEW = 250 // increments of a run while a slider is held, beside those at slips: three pixels apart
+const SCALES = { gap: 1, u_x: 1, T_z: 1, T_x: 1 } // fields are in nm and GPa
+const OF_SLIP = ["slip_at", "slip_F", "slip_L", "slip_A"] // columns of its load and what was there just before
+
+// The message of a skeleton, in a while: {..., skeleton}
+export async function skeletonLater({ body, ...message }) {
+  return { ...message, skeleton: skeletonOf(await inflated(body)) }
+}
+
+// {head, branches, law} of the inflated bytes, an ArrayBuffer
+export function skeletonOf(buffer) {
+  const length = new DataView(buffer).getUint32(0, true), rest = buffer.slice(4 + length)
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)))
+  const count = head.branches.reduce((sum, { states }) => sum + states, 0), size = 2 * head.nodes + head.held
+  const loads = new Float64Array(rest, 0, count), row = new Int32Array(rest, 8 * count, size)
+  const states = statesOf(row, new Int16Array(rest, 8 * count + row.byteLength), head.unit)
+  let from = 0
+  const branches = head.branches.map(({ states: n, ...kind }) => {
+    const branch = { ...kind, loads: loads.subarray(from, from + n), states: states.slice(from, from + n) }
+    from += n
+    return { ...branch, places: Array.from(branch.loads, (load) => placeIn(branch, load)) }
+  })
+  return { head, branches, law: lawOf(head.law) }
+}
+
+// States, nm, from steps between nodes, those of later states being changes
+function statesOf(row, rows, unit) {
+  const size = row.length, units = new Int32Array(size)
+  return Array.from({ length: 1 + rows.length / size }, (_, k) => {
+    const steps = k ? rows.subarray((k - 1) * size, k * size) : row
+    for (let i = 0, sum = 0; i < size; i++) units[i] += sum += steps[i]
+    return Float64Array.from(units, (value) => value * unit)
+  })
+}
+
+// Where a load lies on a branch, 0 to 1; towards a slip the root of the distance, in which states are smooth
+function placeIn({ loads, slips, periodic }, load) {
+  const part = (load - loads[0]) / (loads.at(-1) - loads[0] || 1), within = Math.min(Math.max(part, 0), 1)
+  return periodic ? part : slips ? 1 - Math.sqrt(1 - within) : within
+}
+
+// Weights of the values at `nodes` in that of their polynomial at x
+const lagrange = (nodes, x) =>
+  nodes.map((a, i) => nodes.reduce((w, b, j) => (i === j ? w : (w * (x - b)) / (a - b)), 1))
+
+// The state of a branch at a load
+function stateOf(branch, load) {
+  const { places, states, periodic } = branch, n = places.length - periodic, size = Math.min(STENCIL, n)
+  const at = placeIn(branch, load), turns = periodic ? Math.floor(at) : 0, after = places.findIndex((p) => p >= at - turns)
+  const first = (after < 0 || after > n ? n : after) - (size >> 1)
+  const begin = periodic ? first : Math.min(Math.max(first, 0), n - size)
+  const index = Array.from({ length: size }, (_, k) => begin + k), turn = (i) => (periodic ? Math.floor(i / n) : 0)
+  const weights = lagrange(index.map((i) => places[i - n * turn(i)] + turn(i)), at - turns)
+  const v = new Float64Array(states[0].length)
+  const add = (w, state) => { for (let i = 0; i < v.length; i++) v[i] += w * state[i] }
+  weights.forEach((w, k) => add(w, states[index[k] - n * turn(index[k])]))
+  const moved = weights.reduce((sum, w, k) => sum + w * turn(index[k]), turns) // by periods
+  if (moved) {
+    add(moved, states.at(-1))
+    add(-moved, states[0])
+  }
+  return v
+}
+
+// u_x and gap of all nodes, and U_z, nm, at a load: of the branch that holds it, moved on by whole periods
+export function unknownsAt({ head: { period, nodes }, branches }, load) {
+  const last = branches.at(-1), end = last.loads.at(-1)
+  const shift = period ? Math.max(0, Math.ceil((load - end) / period)) * period : 0
+  const v = stateOf(branches.find(({ loads }) => load - shift <= loads.at(-1)) ?? last, load - shift)
+  for (let i = 0; i < nodes; i++) v[i] += shift
+  return v
+}
+
+// Numbers of the increments of a picture, which has few: even ones, those at slips, the one at U_x and the last
+function fewOf({ step, slips }, last, every, U_x) {
+  const even = Array.from({ length: Math.floor(last / every) + 1 }, (_, k) => k * every)
+  const beside = slips.flatMap(([load]) => [Math.floor(load / step), Math.ceil(load / step)])
+  const within = (k) => Math.min(Math.max(k, 0), last)
+  return [...new Set([...even, ...[...beside, Math.round(U_x / step), last].map(within)])].toSorted((a, b) => a - b)
+}
+
+// The increments of a run as a chunk of frames (packed.js): all; or, where `few`, those of a picture
+export function chunkFrom(skeleton, few = false, U_x = 0) {
+  const { head } = skeleton, { nodes, step, stages } = head, last = Math.floor(head.span[1] / step + 1e-9)
+  const every = few ? Math.ceil((last + 1) / FEW) : 1, steps = fewOf(head, last, every, U_x), frames = steps.length
+  const made = (names, size) => Object.fromEntries(names.map((name) => [name, new Float32Array(size)]))
+  const columns = made(head.columns, frames), fields = made(Object.keys(SCALES), frames * nodes)
+  steps.forEach((index, k) => {
+    const v = unknownsAt(skeleton, index * step), of = (name) => fields[name].subarray(k * nodes, (k + 1) * nodes)
+    const gap = v.subarray(nodes, 2 * nodes), T_x = of("T_x"), T_z = of("T_z")
+    of("u_x").set(v.subarray(0, nodes))
+    of("gap").set(gap)
+    skeleton.law(v, gap, T_x, T_z)
+    const delta = head.held ? -v.at(-1) : head.approach[1]
+    const values = { stage: stages.indexOf("shear"), index, U_x: index * step, delta, ...forcesOf(head, T_x, T_z) }
+    for (const name in values) columns[name][k] = values[name]
+  })
+  markSlips(head, steps, columns)
+  return { head: { ...head, last: true, frames, scales: SCALES, step: every * step }, columns, fields }
+}
+
+// Slips in their increments; of several in one the first counts
+function markSlips({ slips, step }, steps, columns) {
+  OF_SLIP.forEach((name, i) => columns[name].set(columns[["U_x", "F_bar", "L_bar", "A_bar"][i]]))
+  for (const values of slips.toReversed()) {
+    const k = steps.findIndex((index) => index * step >= values[0])
+    if (k < 0) continue
+    columns.slip[k]++
+    OF_SLIP.forEach((name, i) => { columns[name][k] = values[i] })
+  }
+}
+
+function forcesOf({ each, closed, least, scene: { nodes, E } }, T_x, T_z) {
+  let F = 0, L = 0, A = 0, here = (closed ? T_z.at(-1) : 0) - least
+  for (let i = 0; i < T_z.length + !closed; i++) {
+    const after = (T_z[i] ?? 0) - least, repelled = Math.max(here, 0) + Math.max(after, 0)
+    F -= T_x[i] ?? 0
+    L += T_z[i] ?? 0
+    if (repelled > 0) A += repelled / (Math.abs(here) + Math.abs(after)) // T_z is linear between nodes
+    here = after
+  }
+  return { F_bar: (F * each) / nodes / E, L_bar: (L * each) / nodes / E, A_bar: (A * each) / nodes }
+}
