@@ -52,7 +52,7 @@ class Job:
         self.parts: list[Any] = []
         self.result: Any = None
         self.lost = 0
-        self.listeners: dict[Notify, bool] = {}  # whether each wants a further part
+        self.listeners: list[Notify] = []
         self.task: Any = None  # the part in the pool, or None
         self.state = begin  # further arguments of the next part
         self.begun = self.done = self.shared = self.streams = self.heavy = False
@@ -96,7 +96,8 @@ class Jobs:
                     self._shared[call] = job
                 if rank == LATER:
                     self._background.setdefault(owner, deque()).append(job)
-            job.listeners[notify] = True
+            if notify not in job.listeners:
+                job.listeners.append(notify)
             if rank < job.rank:
                 self._move_up(job, owner, rank)
             if job.task is None and (job.begun or job.rank != LATER):
@@ -107,25 +108,11 @@ class Jobs:
     def leave(self, job: Job, notify: Notify) -> None:
         """Stop listening to a job. Without listeners it is cancelled."""
         with self._lock:
-            job.listeners.pop(notify, None)
+            if notify in job.listeners:
+                job.listeners.remove(notify)
             if not job.listeners and not job.done:
                 self._forget(job)
                 self._abandon(job)
-
-    def pause(self, job: Job, notify: Notify) -> None:
-        """Wait with further parts until `resume`, unless another visitor needs them."""
-        job.listeners[notify] = False
-
-    def resume(self, job: Job, notify: Notify) -> None:
-        """Go on with a paused job."""
-        job.listeners[notify] = True
-        self.step(job)
-
-    def step(self, job: Job, *more: Any) -> None:
-        """Make one further part of a paused job; more: further arguments of it."""
-        with self._lock:
-            if job.task is None and not job.done:
-                self._submit(job, *more)
 
     def clear(self) -> None:
         """Drop all results and jobs, for tests."""
@@ -179,13 +166,13 @@ class Jobs:
 
     # The following methods run under the lock.
 
-    def _submit(self, job: Job, *more: Any) -> None:
+    def _submit(self, job: Job) -> None:
         """Submit the next part of a job."""
         job.begun = True
         how: dict[str, Any] = {"hear": partial(self._heard, job)} if job.streams else {}
         rank = max(job.rank, HEAVY) if job.heavy else job.rank
         how |= {"owner": job.owner, "rank": rank, "seconds": job.seconds}
-        job.task = self.pool.submit(*job.call, *(job.state or (None,) * bool(more)), *more, **how)
+        job.task = self.pool.submit(*job.call, *job.state, **how)
         job.task.add_done_callback(partial(self._returned, job))
 
     def _move_up(self, job: Job, owner: object, rank: int) -> None:
@@ -256,8 +243,7 @@ class Jobs:
         if part.made is not None:
             job.parts.append(part.made)
             _count(part.made)
-        if any(job.listeners.values()):
-            self._submit(job)
+        self._submit(job)
 
     def _finish(self, job: Job, made: Any) -> None:
         job.done = True

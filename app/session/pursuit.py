@@ -116,26 +116,6 @@ class Pursuit:
             self.rested = True
             self.wake.step()
 
-    @order("pause")
-    def pause(self) -> None:
-        """Compute no further part until `resume`."""
-        if self.job and self.run and self.run.state in ("running", "warming") and not self.run.refines:
-            self.run.pause(time.monotonic())
-            self.session.jobs.pause(self.job, self.wake.ring)
-
-    @order("resume")
-    def resume(self) -> None:
-        """Continue a paused run."""
-        if self.job and self.run and self.run.state == "paused":
-            self.run.resume(time.monotonic())
-            self.session.jobs.resume(self.job, self.wake.ring)
-
-    @order("step")
-    def step(self) -> None:
-        """Compute one further increment of a paused run."""
-        if self.job and self.run and self.run.state == "paused":
-            self.session.jobs.step(self.job, 0.0)
-
     @order("skip")
     def skip(self) -> None:
         """End the run and keep its frames."""
@@ -256,8 +236,6 @@ class Pursuit:
                 self.session.send("run", run=run.number, state=run.shown_state, frames=run.frames, body=block)
         if done and not run.ended:
             run.end(job.result)
-        if run.state == "paused" and parts and not sum(part.frames for part in parts):
-            self.session.jobs.step(job, 0.0)  # the single increment took too long: repeat it with a longer limit
         return bool(parts)
 
     def _is_replaced(self, run: Run, job: Job, came: bool) -> bool:
@@ -268,7 +246,7 @@ class Pursuit:
         if self.requested is None:
             return False
         waits = job.task is not None and not job.task.running() and not job.task.done()
-        if run.refines or waits or self.overdue or run.state == "paused":
+        if run.refines or waits or self.overdue:
             return True
         return came and not (self.held and not job.heavy and run.ends_within(SOON))
 

@@ -26,7 +26,7 @@ class Request:
 
 @dataclass
 class Run:
-    """One run of a scene; `state` is warming, running, paused, skipped, finished or failed."""
+    """One run of a scene; `state` is warming, running, skipped, finished or failed."""
 
     number: int
     scene: Scene
@@ -35,7 +35,6 @@ class Run:
     started: float  # s, monotonic
     refines: bool = False  # whether it replaces a prediction: the browser shows it when complete
     known: bool = False  # whether it was in the cache
-    paused: float = 0.0  # s, monotonic: when it was paused last
     parts: int = 0  # of its job that were sent
     lost: int = 0  # parts of its job that were repeated
     packed: Frames = field(default_factory=Frames)  # without blocks
@@ -54,14 +53,6 @@ class Run:
     def shown_state(self) -> str:
         """The state for the browser: a run that replaces a prediction is refining."""
         return "refining" if self.refines and self.state == "running" else self.state
-
-    def pause(self, now: float) -> None:
-        """Stop until `resume`; now: s, monotonic. The time between is not counted."""
-        self.state, self.paused = "paused", now
-
-    def resume(self, now: float) -> None:
-        """Continue a paused run."""
-        self.state, self.started = "running", self.started + now - self.paused
 
     def add(self, part: Frames, now: float) -> None:
         """Count the frames of a part; now: s, monotonic."""

@@ -245,22 +245,6 @@ def test_malformed_orders_are_ignored(page, order):
     page.until("finished")
 
 
-def test_a_paused_run_computes_single_increments_until_it_is_resumed(page, slices):
-    page.session.scene = Scene(u_x_max=80.0)
-    page.order("hello")
-    page.until("running")
-    page.order("pause")
-    job = page.session.pursuit.job
-    until(lambda: job.task is None)
-    page.run_scheduled(lambda: page.session.run.parts == len(job.parts))
-    frames = page.status()["frames"]
-    page.order("step")
-    page.run_scheduled(lambda: page.status()["frames"] > frames)
-    assert page.status()["state"] == "paused" and page.status()["frames"] == frames + 1
-    page.order("resume")
-    page.until("finished")
-
-
 @pytest.mark.slow
 def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, monkeypatch):
     page.order("hello")

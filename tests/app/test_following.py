@@ -12,7 +12,6 @@ from app.service import following, metrics, packing, skeletons, worker
 from app.service.jobs import Jobs
 from app.service.pool import EXACT, SCREEN
 from app.session import pursuit
-from app.session.run import Run
 from solver import Scene, follow
 
 SCENE = Scene(u_x_max=16.0)  # slips three times
@@ -257,14 +256,6 @@ def test_marks_of_the_sliders_are_those_of_the_scene_also_after_a_run_that_was_s
     page.order("skip")
     assert page.status()["state"] == "skipped"
     assert all(call[1].phi_ratio == 0.5 for call in page.session.marks.waiting)
-
-
-def test_a_pause_does_not_count_as_time_of_the_run(monkeypatch):
-    run = Run(1, SCENE, 600, "running", started=10.0)
-    run.pause(12.0)
-    run.resume(72.0)
-    run.add(next(slices(SCENE, 0.0)), 73.0)
-    assert run.seconds == 3.0
 
 
 def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):

@@ -179,20 +179,6 @@ def test_a_background_job_moves_up_when_a_visitor_needs_it_on_the_screen(jobs, t
     assert seen == [3, 3]
 
 
-def test_a_paused_job_goes_on_while_another_visitor_needs_it(jobs, tasks):
-    first, second = (lambda job: None), (lambda job: None)
-    job = jobs.start(CALL, first, owner="one")
-    jobs.pause(job, first)
-    tasks[0].set_result(Part(1, 1))
-    assert len(tasks) == 1
-    jobs.step(job)
-    tasks[1].set_result(Part(2, 1))
-    assert len(tasks) == 2
-    jobs.start(CALL, second, owner="two")
-    tasks[2].set_result(Part(3, 1))
-    assert len(tasks) == 4 and len(job.parts) == 3
-
-
 def awaited(coroutine):
     """The result of a coroutine; in a thread, as Playwright leaves a running loop in this one."""
     with ThreadPoolExecutor(1) as thread:

@@ -163,7 +163,7 @@ def test_only_orders_are_sent_to_the_server_not_local_changes_of_figures(still):
             bokeh.fill(parts.forces.L, { U_x: [0], value: [0] })
             bokeh.tint(parts.forces.L, "#ff0000")
             await screen2()
-            modules.channel.order("pause")
+            modules.channel.order("skip")
             await screen2()
             WebSocket.prototype.send = send
             return said.flatMap((text) => JSON.parse(text).events ?? []).map((event) => event.attr ?? event.kind)

@@ -37,7 +37,6 @@ TOLD = 8  # last actions told with what is wrong
 REST = """() => window.punch?.run?.whole && !punch.run.followed && !punch.run.stored && !punch.fresh && !punch.dragging
     && !punch.stale && ['finished', 'skipped'].includes(punch.status.state) && punch.run.length === punch.status.frames
     || document.getElementById('status').dataset.state === 'failed'"""
-PAUSED = "punch.status.state === 'paused'"
 PLAY = "document.getElementById('play').click()"
 SEEN = "(what) => [...document.querySelectorAll(what)].filter((e) => e.checkVisibility({ visibilityProperty: true }))"
 PICK = f"""([what, part]) => {{
@@ -214,9 +213,6 @@ class User:
         self.count["look"] += 1
         pause = self.random.random() < 0.7
         try:
-            self.page.wait_for_function(f"() => ({REST})() || {PAUSED}", timeout=PATIENCE)
-            if self.page.evaluate(PAUSED):  # a run that was held up, maybe by the last action
-                self.page.evaluate(PLAY)
             self.page.wait_for_function(REST, timeout=PATIENCE)
             if pause:
                 self.page.evaluate(f"() => {{ if (punch.playing) {PLAY} }}")

@@ -1,6 +1,6 @@
 // Which run is on screen, and its playing and scrubbing, without asking the server.
 
-import { heard, order } from "./channel.js"
+import { heard } from "./channel.js"
 import { by } from "./dom.js"
 import { unpackLater } from "./packed.js"
 import { spoken } from "./quantities.js"
@@ -137,11 +137,10 @@ function advance(passed) {
 
 export function play(on) {
   me.playing = on
-  if (!on) {
-    me.at = Math.min(me.at, (me.run?.length ?? 1) - 1)
+  if (!on) { // a run that is computed goes on, but what is on screen stays
+    set({ following: false, at: Math.min(me.at, (me.run?.length ?? 1) - 1) })
     summarise("Paused")
   } else by("announcement").textContent = ""
-  if (!me.run?.stored && ["running", "paused", "warming"].includes(me.status.state)) order(on ? "resume" : "pause")
 }
 
 export function toggle() {
@@ -149,13 +148,7 @@ export function toggle() {
   else play(!me.playing)
 }
 
-export function move(frames) {
-  const target = Math.floor(me.at) + frames
-  if (frames > 0 && target >= (me.run?.length ?? 0) && me.status.state === "paused") {
-    me.following = true
-    order("step")
-  } else goto(target)
-}
+export const move = (frames) => goto(Math.floor(me.at) + frames)
 
 export const toSlip = (way) => me.run && goto(me.run.nextSlip(Math.floor(me.at), way))
 

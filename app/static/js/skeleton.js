@@ -53,7 +53,8 @@ const lagrange = (nodes, x) =>
 // The state of a branch at a load
 function stateOf(branch, load) {
   const { places, states, periodic } = branch, n = places.length - periodic, size = Math.min(STENCIL, n)
-  const at = placeIn(branch, load), turns = periodic ? Math.floor(at) : 0, after = places.findIndex((p) => p >= at - turns)
+  const at = placeIn(branch, load), turns = periodic ? Math.floor(at) : 0
+  const after = places.findIndex((place) => place >= at - turns)
   const first = (after < 0 || after > n ? n : after) - (size >> 1)
   const begin = periodic ? first : Math.min(Math.max(first, 0), n - size)
   const index = Array.from({ length: size }, (_, k) => begin + k), turn = (i) => (periodic ? Math.floor(i / n) : 0)

@@ -141,7 +141,6 @@ const STATES = { // {state of a run: its text}
   running: ({ frames, total }) => `${frames} of ${total} increments${doing()}`,
   refining: ({ frames, total }) => `${frames} of ${total} increments`,
   skipped: ({ frames, total }) => `the last ${total - frames} of ${total} increments; what was computed stays`,
-  paused: ({ frames, total }) => `after ${frames} of ${total} increments`,
   failed: ({ why }) => why,
   finished: () => {
     const cycle = me.run?.dissipated ?? null
