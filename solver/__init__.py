@@ -54,7 +54,6 @@ if TYPE_CHECKING:
     from .analysis.fit import fit
     from .analysis.maps import Axis, Map, explore_map
     from .analysis.sensitivities import sensitivities
-    from .analysis.theory import theory
     from .analysis.toughness import release_rates, toughness
 
 __version__ = "0.2.0.dev0"
@@ -92,7 +91,6 @@ __all__ = [
     "skeleton_of",
     "summarize",
     "sweep",
-    "theory",
     "toughness",
     "whole_surface",
     "work_of",
@@ -105,7 +103,6 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "read_measurement": "curve_files",
     "release_rates": "toughness",
     "sensitivities": "sensitivities",
-    "theory": "theory",
     "toughness": "toughness",
 }
 

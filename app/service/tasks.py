@@ -19,7 +19,6 @@ from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement
 from solver.analysis.sensitivities import sensitivities
-from solver.analysis.theory import theory
 from solver.analysis.toughness import toughness
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
@@ -44,20 +43,6 @@ def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[flo
     """
     scene = Scene(law=law, phi_n=1.0, phi_ratio=ratio, delta_t=delta_t, nodes=64, width=64.0 * delta_t)
     return toughness(scene, np.radians(angles)).tolist()
-
-
-def closed_forms(scene: Scene) -> list[dict[str, Any]]:
-    """Return each Theory of a scene for the browser, {name, of, along, x, y, limit}, with DRAWN points at most."""
-    try:
-        found = theory(scene)
-    except ValueError:  # no crack tip at these parameters: nothing is drawn
-        return []
-    rows = []
-    for each in found:
-        thin = np.unique(np.linspace(0, each.x.size - 1, min(each.x.size, DRAWN)).astype(int))
-        curve = {name: [float(f"{v:.5g}") for v in getattr(each, name)[thin]] for name in ("x", "y")}
-        rows.append({name: getattr(each, name) for name in ("name", "of", "along", "limit")} | curve)
-    return rows
 
 
 def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str | None:

@@ -46,19 +46,6 @@ class Film(Requests):
             self.session.send("film", frame=frame, body=block)
 
 
-class Theories(Requests):
-    """The closed forms that apply to the run on screen, drawn over its curves."""
-
-    @order("theory", run=orders.is_whole)
-    def request(self, run: int) -> None:
-        """Send the closed forms of the scene of the run with this number, once per scene: jobs keep what they made."""
-        shown = self.session.run
-        if shown is not None and shown.number == run:
-            self.ask(
-                (tasks.closed_forms, shown.scene), lambda made: self.session.send("theory", run=run, curves=made or [])
-            )
-
-
 class Layer(Requests):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
 

@@ -59,7 +59,6 @@ def forces(x: Any) -> figure:
     plot = blank("forces", TOP, "F, L (N/m)", x, (-1, 2))
     add_zero(plot)
     _along(plot, "N/m", "F", "L")
-    _theory(plot)
     return plot
 
 
@@ -67,7 +66,6 @@ def area(x: Any) -> figure:
     """Contact area along the path."""
     plot = blank("area", TOP, "A (nm)", x, (0, 100))
     _along(plot, "nm", "A")
-    _theory(plot)
     return plot
 
 
@@ -116,11 +114,6 @@ def _pins(plot):
     """Lines of pinned runs, each with its own colour, dash and width."""
     looks: dict[str, Any] = {"line_color": field("colour"), "line_dash": field("dash"), "line_width": field("width")}
     draw(plot, MultiLine, "pins", "", "xs", "ys", "colour", "dash", "width", **looks)
-
-
-def _theory(plot):
-    """A closed form that applies to the scene, over the curve of its run."""
-    draw(plot, Line, "theory", "--text", "U_x", "value", line_dash="dashed", line_width=1.5)
 
 
 def _cursor(plot):

@@ -10,6 +10,6 @@ regimes                        scenes of flats over stiffness and strength
 marks                          values of a parameter at which the behaviour changes
 maps/                          the first slip and its regime over two parameters
 peeling                        edges of contact and how far they peeled
-theory, toughness              closed forms to draw over a run; edges of the contact as crack tips
+toughness                      edges of the contact as crack tips
 work                           of the stage
 """

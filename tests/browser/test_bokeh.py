@@ -175,7 +175,7 @@ def test_only_orders_are_sent_to_the_server_not_local_changes_of_figures(still):
 
 def test_parts_of_a_figure_are_found_by_name_and_can_be_coloured(still):
     assert set(still.evaluate("Object.keys(parts.forces)")) == {
-        *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor", "pins", "ways", "theory")
+        *("zero", "ghost_F", "ghost_L", "F", "L", "slips_F", "cursor", "pins", "ways")
     }
     still.evaluate("bokeh.tint(parts.forces.F, '#123456')")
     line, bokeh_value = "parts.forces.F.glyph.line_color", still.evaluate("parts.forces.F.glyph.line_color")

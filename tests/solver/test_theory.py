@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from theory import theory
 
 from solver import Scene, simulate
-from solver.analysis.theory import theory
 from solver.run.frame import slides_in
 
 

@@ -21,7 +21,6 @@ import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
 import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
 import * as glossary from "./terms.js"
-import { connectTheory } from "./theory.js"
 import { connectCaption } from "./view.js"
 import * as units from "./words.js"
 
@@ -47,7 +46,6 @@ export function start({ wire, figures, slots, declarations, index }) {
   draw.connect()
   pages.connect(plain(slots)) // their figures are painted with the same picture
   connectSlips()
-  connectTheory()
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)

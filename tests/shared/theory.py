@@ -1,4 +1,4 @@
-"""Closed forms to draw over a run: Maugis and Griffith for a circular punch, Prandtl-Tomlinson for a flat.
+"""Closed forms to hold runs against: Maugis and Griffith for a circular punch, Prandtl-Tomlinson for a flat.
 
 None of them uses a run. They leave out the coupling of normal and shear in the layer, as for nu = 1/2. Sources: Maugis
 (1992), Baney & Hui (1997) for cylinders; Savkoor & Briggs (1977) for Griffith's balance under shear; Prandtl (1928),
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 from scipy.special import j0, j1
 
-from ..mechanics.layer import Modes
-from ..run.load_steps import lifts
-from ..scene import Scene
-from .toughness import toughness
+from solver.analysis.toughness import toughness
+from solver.mechanics.layer import Modes
+from solver.run.load_steps import lifts
+from solver.scene import Scene
 
 ANGLES = np.radians(range(0, 81, 10))  # mode angles at which the toughness is computed
 DRAWN = 200  # of a curve
