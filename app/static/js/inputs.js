@@ -1,6 +1,6 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { namesScene, redo, undo } from "./address.js"
+import { namesScene } from "./address.js"
 import { dropPointer, onEvent } from "./bokeh.js"
 import { sendFile } from "./channel.js"
 import { theme } from "./colours.js"
@@ -85,10 +85,6 @@ function onKey(event) {
     unfold(false)
   }
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
-  if (held && "zy".includes(key) && !event.altKey && !at("input[type=text]")) { // an entry has its own
-    event.preventDefault()
-    return key === "y" || event.shiftKey ? redo() : undo()
-  }
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
     || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
