@@ -82,7 +82,7 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "more", "pin", "force"]
+const VIEWED = ["theme", "embed", "tour", "view", "more", "pin"]
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
 export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page

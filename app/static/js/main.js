@@ -22,7 +22,6 @@ import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js
 import * as glossary from "./terms.js"
 import { connectTheory } from "./theory.js"
 import { connectCaption } from "./view.js"
-import * as units from "./words.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
 // declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a
@@ -36,7 +35,6 @@ export function start({ wire, figures, slots, declarations, index }) {
   glossary.connect()
   address.connect()
   inputs.connect()
-  units.connect()
   connectLens()
   connectFringes()
   connectInside()

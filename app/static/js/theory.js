@@ -4,7 +4,6 @@ import { order, take } from "./channel.js"
 import { by, say, tell } from "./dom.js"
 import { figureShown, fill } from "./figures.js"
 import { exact, me, sees, touch, view } from "./store.js"
-import { forceUnit } from "./words.js"
 
 const NOTHING = { U_x: [], value: [] }
 const known = new WeakMap() // run: its closed forms, {name, of, along, x, y, limit}
@@ -28,13 +27,13 @@ function draw() {
   const along = seen && (me.approach ? "delta" : seen.head.abscissa)
   const limits = [["forces", "F"], ["area", "A"]].map(([figure, of]) => {
     const form = known.get(seen)?.find((each) => each.of === of && each.along === along)
-    drawOne(figure, form, seen)
+    drawOne(figure, form)
     return form ? `Dashed in black: ${form.name}. ${form.limit}` : ""
   })
   say("theory-limits", limits.join(" ").trim())
 }
 
-function drawOne(figure, form, run) {
+function drawOne(figure, form) {
   const key = by(`theory-${figure}`)
   key.hidden = !form
   if (form) {
@@ -42,7 +41,5 @@ function drawOne(figure, form, run) {
     key.title = form.limit
   }
   if (!figureShown(figure)) return
-  const { names: { F }, factor } = forceUnit()
-  const unit = form?.of === "F" ? factor / (F === "F_bar" ? run.head.force : 1) : 1
-  fill(figure, "theory", form ? { U_x: form.x, value: form.y.map((value) => value * unit) } : NOTHING)
+  fill(figure, "theory", form ? { U_x: form.x, value: form.y } : NOTHING)
 }
