@@ -7,7 +7,6 @@ import { colour, isShown, nice, readAgain, shades, textSize, theme } from "./col
 import { by, tell } from "./dom.js"
 import { digits, named } from "./quantities.js"
 import { embedded, me } from "./store.js"
-import { explain } from "./terms.js"
 import { tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
@@ -147,9 +146,8 @@ let abscissaNamed = "U_x"
 function nameAxis(abscissa) {
   if (abscissa === abscissaNamed) return
   abscissaNamed = abscissa
-  const [first, second] = document.querySelectorAll(".slips"), event = abscissa === "delta" ? "jump" : "slip"
-  explain(first, event)
-  second.textContent = event
+  const event = abscissa === "delta" ? "jump" : "slip"
+  for (const word of document.querySelectorAll(".slips")) word.textContent = event
   const back = abscissa === "delta" // over the same indentation: dashes of both ways would fill each other's gaps
   for (const line of ["L", "ghost_L"]) set(parts.forces[line].glyph, { line_dash: back ? "solid" : "dashed" })
   document.querySelector("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", !back)

@@ -10,7 +10,6 @@ import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { declared, exact, beginChange, me, redraw, reduced, set } from "./store.js"
-import { openTheory } from "./terms.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -150,7 +149,7 @@ export function connect() {
   }
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", async ({ detail, target }) => {
-    if (detail > 0) target.closest?.("button:not([popovertarget], .term)")?.blur()
+    if (detail > 0) target.closest?.("button:not([popovertarget])")?.blur()
     if (target.matches?.(".as-table")) (await fetched(() => import("./tables.js")))?.openTable(target)
   })
   on("play", "click", toggle)
@@ -162,7 +161,7 @@ export function connect() {
   on("slow", "click", slowMotion)
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
-  on("open-theory", "click", openTheory)
+  on("open-theory", "click", async () => (await fetched(() => import("./later/model.js")))?.openTheory())
   on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

@@ -4,7 +4,6 @@ import { by, keep, kept, on, readdress, tell } from "./dom.js"
 import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
 import { embedded, me, redraw, sees, view } from "./store.js"
-import { explainAgain } from "./terms.js"
 import { described } from "./words.js"
 
 const { dataset } = document.documentElement
@@ -21,7 +20,6 @@ export function project() {
 export function seeMore() {
   document.documentElement.toggleAttribute("data-more")
   if (!embedded) keep("more", sees("more") ? "1" : "0")
-  explainAgain()
   settle()
 }
 
