@@ -10,12 +10,12 @@ import { fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { cover, exact, me, redraw, set, view } from "./store.js"
-import { PICTURES } from "./tour/pictures.js"
+import { drawSprings } from "./tour/springs.js"
 import { STOPS } from "./tour/stops.js"
 import { choose, lettersAreKeys } from "./view.js"
 
 const { dataset } = document.documentElement
-let before = null // {U, F} of the first slip of the usual scene, to compare with
+let before = null // {U} of the first slip of the usual scene, to compare with
 let unseen = null // the scene that nobody has seen
 let at = 0, phase = "ask", chosen = null, card = null
 
@@ -181,15 +181,15 @@ function writeQuestion(stop) {
 
 function writeReason(stop) {
   const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
-  const picture = make("canvas", { className: "picture-of" })
-  card.append(make("p", { role: "status" }, yes, filled(stop.why)), picture)
+  card.append(make("p", { role: "status" }, yes, filled(stop.why)))
+  if (stop.springs) card.append(make("canvas", { className: "springs" }))
   drawReason()
 }
 
 // Its picture, also in another size or theme
 function drawReason() {
-  const picture = card.querySelector(".picture-of")
-  if (picture && !card.hidden) PICTURES[STOPS[at].picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
+  const picture = card.querySelector(".springs")
+  if (picture && !card.hidden) drawSprings(picture, me.run, Math.max(me.run.sheared, me.drawn))
 }
 
 // Buttons to the stop before, to the visitor's turn, and on; the last leads to the end
