@@ -87,15 +87,20 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
 
 
 @pytest.mark.thorough
-def test_escape_closes_the_menu_and_space_ticks_its_checkbox(look):
+def test_escape_closes_the_menu_and_space_presses_its_button(look):
     page = look()
     finished(page)
     page.click("#menu")
-    page.focus("#lens-on")
-    page.keyboard.press("Space")
-    assert not page.is_checked("#lens-on") and not page.evaluate("punch.playing")
+    page.focus("#stress")
     page.keyboard.press("Escape")
-    page.locator("#lens-on").wait_for(state="hidden")
+    page.locator("#stress").wait_for(state="hidden")
+    assert page.evaluate("document.activeElement.id") == "menu"
+    page.click("#menu")
+    page.focus("#theme")
+    theme = page.evaluate("document.documentElement.dataset.theme")
+    page.keyboard.press("Space")
+    assert page.evaluate("document.documentElement.dataset.theme") != theme and not page.evaluate("punch.playing")
+    page.locator("#theme").wait_for(state="hidden")
     assert page.evaluate("document.activeElement.id") == "menu"
 
 
