@@ -75,8 +75,6 @@ def test_more_is_remembered_and_is_part_of_a_shared_link(server, first_visit):
     page.wait_for_function("document.getElementById('share-link').value.includes('more=1')")
     page.goto(server.address)
     assert page.evaluate("'more' in document.documentElement.dataset")
-    page.goto(f"{server.address}?embed=1")
-    assert not page.evaluate("'more' in document.documentElement.dataset")
 
 
 @pytest.mark.thorough

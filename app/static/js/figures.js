@@ -6,7 +6,7 @@ import {
 import { colour, isShown, nice, readAgain, shades, textSize, theme } from "./colours.js"
 import { by, tell } from "./dom.js"
 import { digits, named } from "./quantities.js"
-import { embedded, me } from "./store.js"
+import { me } from "./store.js"
 import { tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
@@ -18,7 +18,6 @@ const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at 
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
 const SPARE = 0.08 // of a curve, on either side of it on a new axis
 const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
-const LOW = 260 // px, a picture without an axis under it
 const THICK = 2.5 // times, for a projector
 export function adopt(name, figure) {
   figures[name] = figure
@@ -227,11 +226,9 @@ export function paint() {
   shareAxis()
 }
 
-// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it, and none in a
-// small frame of another page
+// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
 export function shareAxis() {
-  const stacked = CURVES.filter(figureShown), low = embedded && by("punch-view").clientHeight < LOW
-  const banded = low || isShown(by("bands"))
+  const stacked = CURVES.filter(figureShown)
   for (const view of stacked) set(figures[view].below[0], { visible: view === stacked.at(-1) })
-  set(figures.punch.below[0], { visible: !banded })
+  set(figures.punch.below[0], { visible: !isShown(by("bands")) })
 }

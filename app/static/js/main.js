@@ -20,7 +20,6 @@ import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
 import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
 import { connectTheory } from "./theory.js"
-import { connectCaption } from "./view.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
 // declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
@@ -61,8 +60,7 @@ export function start({ wire, figures, slots, declarations, index }) {
   connection.connect()
   opened()
   channel.order("hello")
-  pages.openAsked()
-  if (embedded) connectCaption()
+  if (!embedded) pages.openAsked()
   let kept = false // Share and tables open without the server, too, so that they come while it is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return

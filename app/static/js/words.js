@@ -32,13 +32,6 @@ export function summary(run, k, sentence) {
     + `load ${spoken("L", L)}${area}.`
 }
 
-export function described(run, k) {
-  if (!me.status.values || !run?.length || k < 0) return ""
-  const at = run.values(k)
-  const scene = parameters({ ...me.status, values: run.scene })
-  return `${scene}; ${run.leg(k)} increment ${at.index}, ${named("U_x", at.U_x)}, ${named("delta", at.delta)}`
-}
-
 // The increment on screen in numbers: above the player with *More*, and for those who hear the page
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
