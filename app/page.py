@@ -22,7 +22,6 @@ from bokeh.settings import settings
 
 from app import assets, lab, pages, schema
 from app.document import frozen
-from app.glossary import forms
 from app.server_log import reach
 from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.orders import Wire
@@ -160,12 +159,11 @@ def _stored(root):
 
 
 def _declarations(root):
-    """Return the declarations of presets, nodes, terms and sliders that the browser needs."""
+    """Return the declarations of presets, nodes and sliders that the browser needs."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
         "stored": _stored(root),
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
-        "terms": forms(),
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
         "reach": reach()._asdict(),

@@ -1,6 +1,6 @@
 """The four live views of the experiment, as Bokeh models. The browser changes their data.
 
-Units: lengths and the contact area in nm, tractions in GPa, forces in N/m; the browser relabels axes in other units.
+Units: lengths and the contact area in nm, tractions in GPa, forces in N/m.
 """
 
 from typing import Any

@@ -6,7 +6,7 @@ from tabs import imported
 
 MOST = 16  # controls and marks at first sight
 OPERABLE = """() => {
-    const what = 'button, input, select, a[href], summary, [role=slider], [tabindex="0"], .term, .mark, .view'
+    const what = 'button, input, select, a[href], summary, [role=slider], [tabindex="0"], .mark, .view'
     const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && !e.closest('[hidden], .unseen')
     const inSight = (box) => box.width > 1 && box.height > 1 && box.bottom > 0 && box.top < innerHeight
     return [...document.querySelectorAll(what)].filter(seen)
@@ -14,7 +14,7 @@ OPERABLE = """() => {
         .map((e) => e.id || e.textContent.trim() || e.className)
 }"""
 IDEA = "#punch-view", "#sentence", ".view[data-view=forces]", "#delta_bar", "#phi_ratio", "#E", "#play"
-MORE = "#lens", "#bands", ".view[data-view=area]", ".view[data-view=map]", ".term", ".mark", ".as-table", "#readout"
+MORE = "#lens", "#bands", ".view[data-view=area]", ".view[data-view=map]", ".mark", ".as-table", "#readout"
 
 
 @pytest.fixture
@@ -59,7 +59,6 @@ def test_more_adds_its_parts_at_once_and_takes_them_away_again(look):
     for part in ("#lens", ".mark"):  # marks are searched after the run
         page.locator(part).first.wait_for()
     assert visible(page, MORE) == list(MORE) and "more=1" in page.url
-    assert page.locator("#sentence .term").count()
     laid_out(page)
     assert page.evaluate(FAULTS) == []
     page.get_by_role("button", name="More").click()
@@ -76,14 +75,11 @@ def test_more_is_remembered_and_is_part_of_a_shared_link(server, first_visit):
     page.wait_for_function("document.getElementById('share-link').value.includes('more=1')")
     page.goto(server.address)
     assert page.evaluate("'more' in document.documentElement.dataset")
-    page.goto(f"{server.address}?embed=1")
-    assert not page.evaluate("'more' in document.documentElement.dataset")
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("query", ["?more=1", "?force=bar"])
-def test_a_link_that_uses_parts_of_more_shows_them_to_a_first_visitor(first_visit, query):
-    page = first_visit(query)
+def test_a_link_with_more_shows_it_to_a_first_visitor(first_visit):
+    page = first_visit("?more=1")
     page.locator("#readout").wait_for()
 
 

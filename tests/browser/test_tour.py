@@ -132,17 +132,17 @@ def test_the_tour_ends_with_friction_over_load_in_twelve_runs(look):
     page.locator("#tour-card").wait_for(state="hidden")
 
 
-UNSEEN = """([curve, phase]) => {
+UNSEEN = """([curve, phase, springs]) => {
     // what of a stop is not wholly in sight, is cut, or lies over something else
     const card = document.getElementById('tour-card'), view = document.querySelector(`.view[data-view=${curve}]`)
     const wanted = phase === 'ask' ? ['.question', ...[1, 2, 3].map((i) => `.answers > :nth-child(${i})`)]
-        : ['[role=status]', '.picture-of', '.ways']
+        : ['[role=status]', '.ways', ...(springs ? ['.springs'] : [])]
     const parts = { punch: document.querySelector('.punch'), contact: document.getElementById('punch-view'),
         [curve]: view, card, ...Object.fromEntries(wanted.map((what) => [what, card.querySelector(what)])) }
     const box = (e) => e.getBoundingClientRect(), around = box(card), said = []
     for (const [name, part] of Object.entries(parts)) {
         if (!part) { said.push(`${name} is missing`); continue }
-        const { width, height, top, bottom, left, right } = box(part), least = name === '.picture-of' ? 50 : 10
+        const { width, height, top, bottom, left, right } = box(part), least = name === '.springs' ? 50 : 10
         if (width < 20 || height < least) said.push(`${name} is ${width} x ${height} px`)
         if (top < -1 || bottom > innerHeight + 1 || left < -1 || right > innerWidth + 1)
             said.push(`${name} is out of sight`)
@@ -156,16 +156,18 @@ UNSEEN = """([curve, phase]) => {
 }"""
 UNCUT = "(({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight + 1)(document.getElementById('tour-card'))"
 STOPS = {1: "forces", 2: "map", 3: "area", 4: "forces", 5: "area", 6: "forces", 7: "forces", 8: "forces", 9: "forces"}
+SPRINGS = 1, 4  # stops whose reason has a picture
 SIZES = ((1920, 1080), (1366, 768), (1280, 720), (1024, 768), (390, 844))
 
 
 def unseen_at(page, stop, phase, size):
     """What a stop leaves out of sight, cut or overlapping on a screen of this size, once the page is laid out."""
+    of = STOPS[stop], phase, stop in SPRINGS
     page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
     laid_out(page)
     with suppress(TookTooLong):
-        page.wait_for_function(f"(of) => !({UNSEEN})(of).length", arg=[STOPS[stop], phase], timeout=SETTLE)
-    return [*page.evaluate(UNSEEN, [STOPS[stop], phase]), *page.evaluate(FAULTS)]
+        page.wait_for_function(f"(of) => !({UNSEEN})(of).length", arg=of, timeout=SETTLE)
+    return [*page.evaluate(UNSEEN, of), *page.evaluate(FAULTS)]
 
 
 @pytest.mark.once
@@ -217,3 +219,14 @@ def test_theory_is_typeset_without_external_requests(look):
     assert "Khajeh Salehani" in page.locator("#theory").inner_text()
     page.keyboard.press("Escape")
     page.locator("#theory").wait_for(state="hidden")
+
+
+@pytest.mark.thorough
+def test_theory_ends_with_the_glossary_and_texts_of_the_page_have_no_buttons(look):
+    page = look()
+    from_menu(page, "#open-theory")
+    page.locator("#theory .glossary").wait_for()
+    listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")
+    assert set(listed) >= {"traction", "gap", "work", "branch", "fold", "flutter", "peel"}
+    page.keyboard.press("Escape")
+    assert not page.locator("#sentence button, #look button, .key button").count()

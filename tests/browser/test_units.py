@@ -1,4 +1,4 @@
-"""Forces are shown in N/m for any stiffness, or normalised by wE on request."""
+"""Forces are shown in N/m for any stiffness."""
 
 import re
 
@@ -32,20 +32,11 @@ def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(lo
 
 
 @pytest.mark.thorough
-def test_normalised_forces_are_shown_on_request_and_kept_in_the_address(visit):
-    page = visit()
+def test_an_older_link_to_normalised_forces_opens_with_forces_in_newtons_per_metre(visit):
+    page = visit("?force=bar&u_x_max=4&du_x=0.5")
     finished(page)
+    assert axis(page) == "F, L (N/m)" and not page.inner_text("#notes")
     assert re.search(r"F = \S+ N/m, L = \S+ N/m, A = \S+ nm \(Ā = ", page.inner_text("#readout"))
-    page.get_by_label("F̄").check()
-    page.wait_for_function("!punch.fresh")
-    assert axis(page) == "F̄, L̄ (10⁻³)"
-    assert max(drawn(page, "forces.F")) == pytest.approx(1000 * max(page.evaluate("punch.run.curves.F_bar")), rel=1e-6)
-    assert "force=bar" in page.url
-    page.reload()
-    finished(page)
-    assert axis(page) == "F̄, L̄ (10⁻³)"
-    page.get_by_label("F̄").uncheck()
-    assert "force" not in page.url
 
 
 @pytest.mark.thorough

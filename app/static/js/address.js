@@ -1,7 +1,7 @@
 // The address of the page: it brings scene, increment and page back, and each settled change is an entry of the
-// browser's history, so that Back undoes. While a page is open Back closes it.
+// browser's history, so that Back goes to the change before. While a page is open Back closes it.
 
-import { by, lastSearch, on, readdress } from "./dom.js"
+import { lastSearch, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { restore } from "./steer.js"
 import { beginChange, declared, me, sees, view } from "./store.js"
@@ -12,16 +12,13 @@ const LARGEST = 1e6
 // The entries of the browser's history that belong to this page, and the scene in the address
 class Entries {
   now = history.state?.entry ?? 0 // number of the one shown
-  last = this.now // and of the last
-  undoing = false // Back was asked for by Undo, not by the browser's button
   scene = null // of the address, as text; null before it is known to be that of the status
   move = null // the move of the user's that led to it
 
   // Change the parameters of the address, in an entry of its own or in the present one; more: of its state
   write(change, { own = false, more = {} } = {}) {
-    if (own) this.last = ++this.now
+    if (own) this.now++
     readdress(change, own ? { entry: this.now, ...more } : { ...history.state, entry: this.now }, own)
-    this.tell()
   }
 
   // Change the scene {name: text}; each move of the user's is one entry. A question of the tour is none
@@ -37,25 +34,11 @@ class Entries {
     Object.assign(this, { scene: text, move: me.move })
   }
 
-  // The browser went to another one; whether it went back by its own button
+  // The browser went to another one; whether it went back
   moved(to) {
-    const back = !this.undoing && to < this.now
+    const back = to < this.now
     this.now = to
-    this.undoing = false
     return back
-  }
-
-  undo() {
-    if (this.now <= 0) return
-    this.undoing = true
-    history.back()
-  }
-
-  redo() { if (this.now < this.last) history.forward() }
-
-  tell() {
-    by("undo").disabled = this.now <= 0
-    by("redo").disabled = this.now >= this.last
   }
 }
 const entries = new Entries()
@@ -89,8 +72,6 @@ export const writeAddress = () => entries.writeScene(me.status.address)
 
 // Another entry of the history, for what is no change of the scene; more: of its state
 export const addEntry = (change, more) => entries.write(change, { own: true, more })
-export const undo = () => entries.undo()
-export const redo = () => entries.redo()
 
 // Show the scene of parameters {name: text} as an address has them, and an increment of it
 export function goBackTo(scene, k = null) {
@@ -101,13 +82,13 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "more", "pin", "force"]
+const VIEWED = ["theme", "embed", "tour", "view", "more", "pin"]
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
 export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page
 let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 
-// The browser went back or forward. Where a page is open, Back closes it and undoes nothing
+// The browser went back or forward. Where a page is open, Back closes it and changes nothing else
 function popped(event) {
   if (event.state?.entry === undefined) return
   const closes = entries.moved(event.state.entry) && openedPage(), before = lastSearch(), k = asked()
@@ -122,7 +103,6 @@ function popped(event) {
     entries.scene = null
     goBackTo(sceneOf(location.search), k)
   }
-  entries.tell()
 }
 
 // The increment at rest goes into the address
@@ -169,6 +149,4 @@ export function connect() {
   entries.write(() => {}) // so that Back comes to it
   view(["drawn", "run", "playing", "following", "preview", "status"], tellIncrement)
   addEventListener("popstate", popped)
-  on("undo", "click", undo)
-  on("redo", "click", redo)
 }

@@ -3,7 +3,6 @@
 import { colour } from "./colours.js"
 import { beside, fill } from "./figures.js"
 import { drawnFrame, sideways } from "./punch.js"
-import { forceUnit } from "./words.js"
 
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 
@@ -22,16 +21,16 @@ let lines = 0, surfaces = 0 // how many are drawn
 
 // Curves and outlines in the map
 export function drawLines(run, ghost, approach) {
-  const pins = beside(run), { names, factor } = forceUnit()
+  const pins = beside(run)
   if (!pins.length && !lines) return
   lines = pins.length
-  const line = (pin, name, times, width) => {
-    const { along: x, value: y } = pin.run.drawn(name, approach, times)
+  const line = (pin, name, width) => {
+    const { along: x, value: y } = pin.run.drawn(name, approach)
     return { pin, width, x, y }
   }
-  const forces = (pin) => [line(pin, names.F, factor), line(pin, names.L, factor, THIN)]
+  const forces = (pin) => [line(pin, "F"), line(pin, "L", THIN)]
   fill("forces", "pins", columns(pins.flatMap(forces)))
-  fill("area", "pins", columns(pins.map((pin) => line(pin, "A", 1))))
+  fill("area", "pins", columns(pins.map((pin) => line(pin, "A"))))
   fill("map", "pins", columns(approach ? [] : pins.flatMap(outline)))
 }
 

@@ -6,9 +6,8 @@ import {
 import { colour, isShown, nice, readAgain, shades, textSize, theme } from "./colours.js"
 import { by, tell } from "./dom.js"
 import { digits, named } from "./quantities.js"
-import { embedded, me } from "./store.js"
-import { explain } from "./terms.js"
-import { forceUnit, tellStart } from "./words.js"
+import { me } from "./store.js"
+import { tellStart } from "./words.js"
 
 export const figures = {} // name: Bokeh figure, also those of a page that is open
 export const parts = {} // figure: {label: what is drawn in it}
@@ -19,7 +18,6 @@ const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at 
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
 const SPARE = 0.08 // of a curve, on either side of it on a new axis
 const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
-const LOW = 260 // px, a picture without an axis under it
 const THICK = 2.5 // times, for a projector
 export function adopt(name, figure) {
   figures[name] = figure
@@ -63,43 +61,40 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
   shown && pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
 
-let curvesDrawn = { label: "F, L (N/m)" } // {ghost, label, approach, look} as they were drawn
+let curvesDrawn = {} // {ghost, approach, look} as they were drawn
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {
   // along something else, or drawn already
   const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
   if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
-  const unit = forceUnit(), label = labelOf(unit), { names: { F, L }, factor } = unit
   const known = new Map([run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => [of, {}])) // made once
-  const part = (of, name) =>
-    (of ? (known.get(of)[name] ??= of.drawn(name, approach, name === "A" ? 1 : factor)) : NOTHING)
+  const part = (of, name) => (of ? (known.get(of)[name] ??= of.drawn(name, approach)) : NOTHING)
   const { look } = me, was = curvesDrawn
-  const same = ghost === was.ghost && label === was.label && approach === was.approach && look === was.look
-  for (const [figure, line, name] of [["forces", "F", F], ["forces", "L", L], ["area", "A", "A"]]) {
+  const same = ghost === was.ghost && approach === was.approach && look === was.look
+  for (const [figure, name] of [["forces", "F"], ["forces", "L"], ["area", "A"]]) {
     if (!figureShown(figure)) continue
     for (const [prefix, of] of same ? [["", run]] : [["ghost_", ghost], ["", run]]) {
       const { along, value } = part(of, name)
-      fill(figure, `${prefix}${line}`, { U_x: along, value })
+      fill(figure, `${prefix}${name}`, { U_x: along, value })
     }
   }
   document.querySelector(".page").dataset.ghost = ghost !== null
   nameGhost(run, ghost)
-  curvesDrawn = { ghost, label, approach, look }
-  if (label !== was.label) nameForces(unit)
+  curvesDrawn = { ghost, approach, look }
   nameAxis(approach ? "delta" : run.head.abscissa)
-  markSlips(run, unit, approach)
+  markSlips(run, approach)
   const values = (name) => [...known.keys()].map((of) => part(of, name).value)
-  fitCurves(run, approach, [F, L].map(values), values("A"))
+  fitCurves(run, approach, ["F", "L"].map(values), values("A"))
 }
 
 // Slips, and which way each part of a loop is walked
-function markSlips(run, { names: { F, L }, factor }, approach) {
+function markSlips(run, approach) {
   const along = run.normal || approach
-  const marked = [["forces", along ? L : F, run.normal ? L : F, factor], ["area", "A", "A", 1]]
-  for (const [figure, name, way, times] of marked.filter(([each]) => figureShown(each))) {
-    const [U_x, value] = run.slips(name, times, null, approach)
+  const marked = [["forces", along ? "L" : "F", run.normal ? "L" : "F"], ["area", "A", "A"]]
+  for (const [figure, name, way] of marked.filter(([each]) => figureShown(each))) {
+    const [U_x, value] = run.slips(name, 1, null, approach)
     fill(figure, `slips_${figure === "area" ? "A" : "F"}`, { U_x, value })
-    pointAlong(run, figure, run.curves[way], times)
+    pointAlong(run, figure, run.curves[way])
   }
 }
 
@@ -126,13 +121,13 @@ function nameGhost({ scene }, ghost) {
 
 // Which way each part of a loop is walked: heads of arrows, those of its ways at other places
 const HEADS = [[0.25, 0.55], [0.2, 0.65], [0.4, 0.9]] // parts of a way
-function pointAlong(run, view, value, factor) {
+function pointAlong(run, view, value) {
   const { along, curves: { stage: stages } } = run, loops = run.normal || run.head.span[0] < 0
   const heads = [...new Set(loops ? stages : [])].filter((stage) => stage > 0).flatMap((stage, i) => {
     const first = stages.indexOf(stage), last = stages.lastIndexOf(stage), way = Math.sign(along[last] - along[first])
     return way ? HEADS[i % HEADS.length].map((part) => [Math.round(first + part * (last - first)), way]) : []
   })
-  fill(view, "ways", { U_x: heads.map(([k]) => along[k]), value: heads.map(([k]) => value[k] * factor),
+  fill(view, "ways", { U_x: heads.map(([k]) => along[k]), value: heads.map(([k]) => value[k]),
     angle: heads.map(([, way]) => (-way * Math.PI) / 2) })
 }
 
@@ -140,13 +135,6 @@ function pointAlong(run, view, value, factor) {
 function retell(view, change) {
   const tools = figures[view].toolbar.tools.filter(({ tooltips }) => tooltips?.[0])
   for (const tool of tools) set(tool, { tooltips: change(...tool.tooltips) })
-}
-
-// The unit of forces, on the axis and beside the mouse
-const labelOf = ({ symbols, text }) => `${symbols.F}, ${symbols.L} (${text})`
-function nameForces({ symbols, text }) {
-  set(figures.forces.left[0], { axis_label: curvesDrawn.label })
-  retell("forces", (where, [symbol]) => [where, [symbols[symbol[0]], `@value{0.000} ${text}`]])
 }
 
 // What curves are drawn along
@@ -157,9 +145,8 @@ let abscissaNamed = "U_x"
 function nameAxis(abscissa) {
   if (abscissa === abscissaNamed) return
   abscissaNamed = abscissa
-  const [first, second] = document.querySelectorAll(".slips"), event = abscissa === "delta" ? "jump" : "slip"
-  explain(first, event)
-  second.textContent = event
+  const event = abscissa === "delta" ? "jump" : "slip"
+  for (const word of document.querySelectorAll(".slips")) word.textContent = event
   const back = abscissa === "delta" // over the same indentation: dashes of both ways would fill each other's gaps
   for (const line of ["L", "ghost_L"]) set(parts.forces[line].glyph, { line_dash: back ? "solid" : "dashed" })
   document.querySelector("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", !back)
@@ -239,11 +226,9 @@ export function paint() {
   shareAxis()
 }
 
-// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it, and none in a
-// small frame of another page
+// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
 export function shareAxis() {
-  const stacked = CURVES.filter(figureShown), low = embedded && by("punch-view").clientHeight < LOW
-  const banded = low || isShown(by("bands"))
+  const stacked = CURVES.filter(figureShown)
   for (const view of stacked) set(figures[view].below[0], { visible: view === stacked.at(-1) })
-  set(figures.punch.below[0], { visible: !banded })
+  set(figures.punch.below[0], { visible: !isShown(by("bands")) })
 }

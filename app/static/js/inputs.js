@@ -1,6 +1,6 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { namesScene, redo, undo } from "./address.js"
+import { namesScene } from "./address.js"
 import { dropPointer, onEvent } from "./bokeh.js"
 import { sendFile } from "./channel.js"
 import { theme } from "./colours.js"
@@ -10,7 +10,6 @@ import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { declared, exact, beginChange, me, redraw, reduced, set } from "./store.js"
-import { openTheory } from "./terms.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -85,10 +84,6 @@ function onKey(event) {
     unfold(false)
   }
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
-  if (held && "zy".includes(key) && !event.altKey && !at("input[type=text]")) { // an entry has its own
-    event.preventDefault()
-    return key === "y" || event.shiftKey ? redo() : undo()
-  }
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
     || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
@@ -154,7 +149,7 @@ export function connect() {
   }
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", async ({ detail, target }) => {
-    if (detail > 0) target.closest?.("button:not([popovertarget], .term)")?.blur()
+    if (detail > 0) target.closest?.("button:not([popovertarget])")?.blur()
     if (target.matches?.(".as-table")) (await fetched(() => import("./tables.js")))?.openTable(target)
   })
   on("play", "click", toggle)
@@ -166,7 +161,7 @@ export function connect() {
   on("slow", "click", slowMotion)
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
-  on("open-theory", "click", openTheory)
+  on("open-theory", "click", async () => (await fetched(() => import("./later/model.js")))?.openTheory())
   on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

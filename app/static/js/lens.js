@@ -55,7 +55,7 @@ const radiusIn = ({ width, height }) => Math.min(95, 0.25 * height, 0.16 * width
 export function drawLens(view) {
   const { pen, box, X, Y, frame, ink } = view
   const radius = radiusIn(box), at = focus(view)
-  by("lens").hidden = !sees("lens") || !by("lens-on").checked || view.narrow || radius < 40 || at === null
+  by("lens").hidden = !sees("lens") || view.narrow || radius < 40 || at === null
   if (by("lens").hidden) return
   const centre = [box.left + 0.3 * box.width, box.top + 0.36 * box.height]
   const near = closest(frame.x, at)
@@ -186,5 +186,4 @@ export function connectLens() {
     event.stopPropagation()
     move(steps[event.key])
   })
-  on("lens-on", "change", redrawCanvases)
 }

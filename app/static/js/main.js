@@ -20,23 +20,18 @@ import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
 import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
-import * as glossary from "./terms.js"
-import { connectCaption } from "./view.js"
-import * as units from "./words.js"
 
 // wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
-// declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, terms {form of a
-// word: term}, positions {slider: values} and reach (of server_log.py); index: Bokeh's index of views
+// declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
+// {slider: values} and reach (of server_log.py); index: Bokeh's index of views
 export function start({ wire, figures, slots, declarations, index }) {
   Object.assign(declared, JSON.parse(declarations))
   useIndex(index)
   figures = plain(figures)
   for (const name in figures) adopt(name, figures[name])
   channel.connect(wire)
-  glossary.connect()
   address.connect()
   inputs.connect()
-  units.connect()
   connectLens()
   connectFringes()
   connectInside()
@@ -64,8 +59,7 @@ export function start({ wire, figures, slots, declarations, index }) {
   connection.connect()
   opened()
   channel.order("hello")
-  pages.openAsked()
-  if (embedded) connectCaption()
+  if (!embedded) pages.openAsked()
   let kept = false // Share and tables open without the server, too, so that they come while it is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return

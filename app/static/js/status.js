@@ -8,7 +8,6 @@ import { fixed, minus, named } from "./quantities.js"
 import { describeAll, drawMarks } from "./sliders.js"
 import { sendNext } from "./steer.js"
 import { declared, me, view } from "./store.js"
-import { explain } from "./terms.js"
 import { inWords } from "./words.js"
 
 const ENDED = ["finished", "skipped", "failed"] // states of a run that goes no further
@@ -49,7 +48,7 @@ function tellScene() {
     described = status
     namePreset()
     const look = presetText()
-    if (by("look").textContent !== look) explain(by("look"), look)
+    tell(by("look"), look)
   }
   if (status.frames > 0 && !me.dragging) writeAddress()
 }

@@ -1,7 +1,7 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
 import { frameBox } from "./bokeh.js"
-import { by } from "./dom.js"
+import { by, tell } from "./dom.js"
 import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
@@ -9,7 +9,6 @@ import { drawnFrame } from "./punch.js"
 import { fixed, withUnit } from "./quantities.js"
 import { changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
 import { exact, me, sees } from "./store.js"
-import { explain } from "./terms.js"
 
 const REST = 46 // px, a drive that is not stretched
 const TURNS = 12 // of its spring
@@ -182,12 +181,12 @@ let sentence = { key: "", text: "", k: 0, since: -Infinity }, compared = [] // o
 export function tellNow(run, k) {
   const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
   const said = saidNext(sentence, next, { moving, k, run, dragging: me.dragging, time: performance.now() })
-  if (said.text !== sentence.text) explain(by("sentence"), said.text)
+  tell(by("sentence"), said.text)
   sentence = said
   const wanted = [run, me.ghost, run.whole]
   if (wanted.every((what, i) => what === compared[i])) return
   compared = wanted
   const changed = changeSentence(run, me.ghost)?.text ?? ""
-  explain(by("why"), changed)
+  tell(by("why"), changed)
   by("announcement").textContent = changed // the text on the run before is out of date
 }

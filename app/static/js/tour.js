@@ -10,13 +10,12 @@ import { fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { cover, exact, me, redraw, set, view } from "./store.js"
-import { explain } from "./terms.js"
-import { PICTURES } from "./tour/pictures.js"
+import { drawSprings } from "./tour/springs.js"
 import { STOPS } from "./tour/stops.js"
 import { choose, lettersAreKeys } from "./view.js"
 
 const { dataset } = document.documentElement
-let before = null // {U, F} of the first slip of the usual scene, to compare with
+let before = null // {U} of the first slip of the usual scene, to compare with
 let unseen = null // the scene that nobody has seen
 let at = 0, phase = "ask", chosen = null, card = null
 
@@ -158,17 +157,10 @@ function hideFuture() {
 
 const paragraph = (className, ...parts) => make("p", { className }, ...parts)
 
-// A text with its terms explained
-function explained(tag, className, text) {
-  const element = make(tag, { className })
-  explain(element, filled(text))
-  return element
-}
-
 function write() {
   const stop = STOPS[at]
   const title = make("h2", {}, `${at + 1} of ${STOPS.length}: ${stop.name}`)
-  Object.assign(dataset, { tour: phase, shows: `terms ${stop.shows ?? ""}` })
+  Object.assign(dataset, { tour: phase, shows: stop.shows ?? "" })
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
   if (phase === "wait") card.append(paragraph("", waiting()))
   else if (phase === "turn") card.append(paragraph("question", stop.ask))
@@ -182,22 +174,22 @@ function write() {
 function writeQuestion(stop) {
   const asking = phase === "ask"
   if (asking && stop.hints) card.append(make("ul", {}, ...stop.hints.map((text) => make("li", {}, text))))
-  card.append(explained("p", "question", stop.question))
+  card.append(paragraph("question", filled(stop.question)))
   card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
   if (phase === "show") card.append(paragraph("note", "Watch …"))
 }
 
 function writeReason(stop) {
   const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
-  const picture = make("canvas", { className: "picture-of" })
-  card.append(make("p", { role: "status" }, yes, explained("span", "", stop.why)), picture)
+  card.append(make("p", { role: "status" }, yes, filled(stop.why)))
+  if (stop.springs) card.append(make("canvas", { className: "springs" }))
   drawReason()
 }
 
 // Its picture, also in another size or theme
 function drawReason() {
-  const picture = card.querySelector(".picture-of")
-  if (picture && !card.hidden) PICTURES[STOPS[at].picture](picture, me.run, Math.max(me.run.sheared, me.drawn), before)
+  const picture = card.querySelector(".springs")
+  if (picture && !card.hidden) drawSprings(picture, me.run, Math.max(me.run.sheared, me.drawn))
 }
 
 // Buttons to the stop before, to the visitor's turn, and on; the last leads to the end

@@ -1,11 +1,9 @@
 // The ways to look at the experiment: as it opens, with more in sight, and in large for a lecture hall.
 
-import { by, keep, kept, on, readdress, tell } from "./dom.js"
+import { by, keep, kept, on, readdress } from "./dom.js"
 import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
-import { embedded, me, redraw, sees, view } from "./store.js"
-import { explainAgain } from "./terms.js"
-import { described } from "./words.js"
+import { redraw, sees } from "./store.js"
 
 const { dataset } = document.documentElement
 
@@ -20,8 +18,7 @@ export function project() {
 // More in sight than punch, sentence, forces, sliders and Play, or these alone; kept for the next visit
 export function seeMore() {
   document.documentElement.toggleAttribute("data-more")
-  if (!embedded) keep("more", sees("more") ? "1" : "0")
-  explainAgain()
+  keep("more", sees("more") ? "1" : "0")
   settle()
 }
 
@@ -83,12 +80,3 @@ export function fillScreen() {
   if (document.fullscreenElement) document.exitFullscreen()
   else document.documentElement.requestFullscreen?.().catch(() => {}) // a browser may refuse: nothing is lost
 }
-
-// The line below the views of an embedded page: the parameters, and a link to the whole app
-export const connectCaption = () => view(["picture", "status"], () => {
-  if (!me.picture) return
-  tell(by("caption"), described(me.picture.run, me.picture.k))
-  const url = new URL(location.href)
-  url.searchParams.delete("embed")
-  if (by("whole-app").href !== url.href) by("whole-app").href = url.href
-})

@@ -1,36 +1,15 @@
-// The words of a scene and an increment. Forces and areas: per metre of depth, or over wE on request (?force=bar);
-// nm, or over w.
+// The words of a scene and an increment. Forces are per metre of depth; the area is in nm, and over w.
 
 import { isShown } from "./colours.js"
-import { by, on, readdress, tell } from "./dom.js"
+import { by, tell } from "./dom.js"
 import { digits, fixed, named, spoken, withUnit } from "./quantities.js"
-import { me, redraw } from "./store.js"
-
-const REAL = { names: { F: "F", L: "L" }, factor: 1, text: "N/m", symbols: { F: "F", L: "L" } }
-const BAR = { names: { F: "F_bar", L: "L_bar" }, factor: 1000, text: "10⁻³", symbols: { F: "F̄", L: "L̄" } }
-
-// {names, factor, text, symbols} of forces as they are shown
-export const forceUnit = () => (by("bar").checked ? BAR : REAL)
-
-// A force of a frame's values with its unit
-export function forceText(values, name, { names, factor, text, symbols } = forceUnit()) {
-  return factor === 1 ? named(name, values[name])
-    : `${symbols[name]} = ${fixed(values[names[name]] * factor, 3)}·${text}`
-}
+import { me } from "./store.js"
 
 export const areaText = ({ A, A_bar }) => `${named("A", A)} (Ā = ${fixed(A_bar * 1000, 1)}·10⁻³)`
 
 // Words about the axis of the area where it does not begin at zero
 export const tellStart =
   (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
-
-export function connect() {
-  by("bar").checked = new URLSearchParams(location.search).get("force") === "bar"
-  on("bar", "change", () => {
-    readdress((asked) => (by("bar").checked ? asked.set("force", "bar") : asked.delete("force")))
-    redraw()
-  })
-}
 
 const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
 export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
@@ -53,13 +32,6 @@ export function summary(run, k, sentence) {
     + `load ${spoken("L", L)}${area}.`
 }
 
-export function described(run, k) {
-  if (!me.status.values || !run?.length || k < 0) return ""
-  const at = run.values(k)
-  const scene = parameters({ ...me.status, values: run.scene })
-  return `${scene}; ${run.leg(k)} increment ${at.index}, ${named("U_x", at.U_x)}, ${named("delta", at.delta)}`
-}
-
 // The increment on screen in numbers: above the player with *More*, and for those who hear the page
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
@@ -72,7 +44,7 @@ export function tellFrame(run, k) {
   const top = run.driven ? ` (top ${withUnit("U_x", run.top(k))})` : ""
   const texts = [
     `${run.leg(k)} ${v.index}: ${named("U_x", v.U_x)}${top},`, `${named("delta", v.delta)},`,
-    `${forceText(v, "F")},`, `${forceText(v, "L")},`, `${areaText(v)}${slipped}`,
+    `${named("F", v.F)},`, `${named("L", v.L)},`, `${areaText(v)}${slipped}`,
     work,
   ]
   by("increment").textContent = run.followed ? "This increment is predicted from the run before."

@@ -9,7 +9,6 @@ import { goto, toggle } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
 import { cover, exact, me, now, redraw, view } from "../store.js"
-import { forceUnit } from "../words.js"
 
 const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
@@ -76,8 +75,7 @@ function receive(chunk) {
   film.before = performance.now()
   useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
-  const { factor, names } = forceUnit()
-  widenForces(film.frames.curves[names.F].map((value) => value * factor))
+  widenForces(film.frames.curves.F)
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
 }
@@ -120,10 +118,10 @@ function drawTrace() {
   by("scrub").value = me.film.k - k
   tell("slow motion")
   if (!pen) return
-  const { factor, names } = forceUnit(), F = frames.curves[names.F].slice(k - 1), ink = inks()
+  const F = frames.curves.F.slice(k - 1), ink = inks()
   const width = FIELD * box.width, right = box.X(frames.along[k - 1]) < box.left + 0.5 * box.width
   const left = right ? box.left + box.width - width : box.left
-  const places = F.map((value, i) => [left + EDGE + (i / (F.length - 1)) * (width - 2 * EDGE), box.Y(value * factor)])
+  const places = F.map((value, i) => [left + EDGE + (i / (F.length - 1)) * (width - 2 * EDGE), box.Y(value)])
   pen.fillStyle = ink.page
   pen.fillRect(left, box.top, width, box.height)
   pen.strokeStyle = ink.slip

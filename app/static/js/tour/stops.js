@@ -1,12 +1,12 @@
 // The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is
 // asked about; shows: the part of *More* that this stop brings; answers: the right one first, shown in `order`;
-// picture: what argues the reason (pictures.js); turn: the slider to play with, ask: what to try with it; unseen:
-// scenes that nobody has seen, the right answer taken from the run, with why
+// springs: whether a picture of them argues the reason; turn: the slider to play with, ask: what to try with it;
+// unseen: scenes that nobody has seen, the right answer taken from the run, with why
 
 export const STOPS = [
   {
     name: "First", preset: "fig6", values: {}, to: 10, order: [1, 0, 2], curve: "forces",
-    shows: "lens", picture: "springs",
+    shows: "lens", springs: true,
     question: "The top is pulled sideways, slowly. What will the friction force do first?",
     answers: ["grow in proportion to the pull", "stay zero until the punch slides", "jump to its full value at once"],
     why: "Nothing slides yet: the punch leans over, and its surface clings to the lattice sites. "
@@ -15,7 +15,7 @@ export const STOPS = [
   },
   {
     name: "The edges", preset: "fig7-case2", values: {}, to: 12.5, order: [1, 0, 2], curve: "map",
-    shows: "edges", picture: "edges",
+    shows: "edges",
     question: "Still no slip, but the edges of the contact begin to let go. Which one more?",
     answers: ["the trailing edge, behind", "the leading edge, in front", "both the same"],
     why: "The lean lifts the punch behind and presses it down in front, while the pull weakens the grip of both edges: "
@@ -23,7 +23,7 @@ export const STOPS = [
     turn: "delta_bar", ask: "Pull instead of pushing (press depth below zero): are the edges more alike?",
   },
   {
-    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area", picture: "areas",
+    name: "The slip", preset: "fig6", values: {}, to: 20, order: [2, 0, 1], curve: "area",
     question: "The pull goes on until the punch slips. What will the contact area do at the slip?",
     answers: ["grow: contact comes back", "fall", "stay as it is"],
     why: "A slip by one lattice site releases most of the lean that had peeled the edges: they close again, "
@@ -32,7 +32,7 @@ export const STOPS = [
   },
   {
     name: "Upwards", preset: "fig7-case1", values: {}, to: 9.1, order: [1, 2, 0], curve: "forces",
-    shows: "lens", picture: "springs",
+    shows: "lens", springs: true,
     question: "The top is held above the surface, so that the punch hangs on its adhesion. Will there be friction?",
     answers: ["yes, even when nothing is repelled any more", "no: friction needs a load",
       "only as long as the area is not zero"],
@@ -42,14 +42,14 @@ export const STOPS = [
   },
   {
     name: "Oil", preset: "fig7-case3", values: {}, to: 12, order: [0, 2, 1], curve: "area",
-    shows: "bands", picture: "areas",
+    shows: "bands",
     question: "A lubricant leaves a tenth of the grip. What will the slips be like?",
     answers: ["early, and nearly all of the area comes back", "late and large", "there will be none"],
     why: "Little lean is stored before the grip gives way, so little has been peeled, and all of it can come back.",
     turn: "phi_ratio", ask: "Where do the slips disappear altogether?",
   },
   {
-    name: "Stiffness", preset: "fig6", values: { E: 700 }, to: 20, order: [2, 1, 0], curve: "forces", picture: "forces",
+    name: "Stiffness", preset: "fig6", values: { E: 700 }, to: 20, order: [2, 1, 0], curve: "forces",
     question: "A punch ten times stiffer. How large is the force at which it slips, in newtons per metre?",
     answers: ["larger", "the same", "smaller"],
     why: "It hardly leans, so that all of the contact gives way together: "
@@ -58,7 +58,7 @@ export const STOPS = [
   },
   {
     name: "A rubber band", preset: "fig6", values: { drive_t: 10 }, to: 22, order: [1, 0, 2],
-    curve: "forces", picture: "pulls",
+    curve: "forces",
     question: "Now a rubber band pulls the top. It is as stiff as the punch. When will the punch slip?",
     answers: ["after a longer pull, at the same force", "after the same pull, at a smaller force",
       "after a shorter pull, at a larger force"],
@@ -66,7 +66,7 @@ export const STOPS = [
     turn: "E", ask: "Move the stiffness of the punch: how little changes once the band is the softer spring?",
   },
   {
-    name: "No load", preset: "no-load", values: {}, to: 13, order: [1, 2, 0], curve: "forces", picture: "forces",
+    name: "No load", preset: "no-load", values: {}, to: 13, order: [1, 2, 0], curve: "forces",
     question: "The load is held at zero: nothing presses the punch down. How large is the friction when it slips?",
     answers: ["about as large as before", "zero: friction is proportional to load", "a tenth of what it was"],
     why: "Adhesion alone presses the surfaces together. Friction over load is a line that does not begin at zero.",
@@ -74,7 +74,6 @@ export const STOPS = [
   },
   {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces",
-    picture: "pulls",
     unseen: [
       { values: { E: 140 },
         why: "A stiffer punch builds up force faster, so its springs give way after a shorter pull." },
