@@ -26,7 +26,6 @@ from app.server_log import reach
 from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from app.session.orders import Wire
 from app.session.session import Session
-from app.views.live import live_figures
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
 
@@ -93,16 +92,16 @@ def shared(address: str) -> Shared:
 
 @lru_cache(2)
 def _composed(root):
-    doc, wire, figures, slots = Document(), Wire(), live_figures(), pages.places()
+    doc, wire, slots = Document(), Wire(), pages.places()
     (*_,) = _own(wire, slots)
-    figures["punch"].tags = [wire]  # Bokeh synchronises only models that a root refers to
+    next(iter(slots.values())).tags = [wire]  # Bokeh synchronises only models that a root refers to
     with frozen(doc):
-        for name, model in (figures | slots).items():
+        for name, model in slots.items():
             model.name = name
             doc.add_root(model)
     doc.title = TITLE
     doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
-    doc.js_on_event("document_ready", _player(wire, figures, slots, root))
+    doc.js_on_event("document_ready", _player(wire, slots, root))
     doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
     text = json.dumps(doc.to_json(deferred=False), separators=(",", ":"), allow_nan=False)
     page = re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', _html(doc, root))
@@ -171,18 +170,17 @@ def _declarations(root):
     }
 
 
-def _player(wire, figures, slots, root):
+def _player(wire, slots, root):
     """Return the callback that starts the browser's part of the app, with the models it changes."""
     return CustomJS(
         args={
             "wire": wire,
-            "figures": figures,
             "slots": slots,
             "declarations": json.dumps(_declarations(root)),
             "main": f"{root}/static/js/main.js",
         },
         code="""
-            const given = { wire, figures, slots, declarations, index: cb_context.index }
+            const given = { wire, slots, declarations, index: cb_context.index }
             import(new URL(main, document.baseURI)).then(({ start }) => start(given))
         """,
     )

@@ -22,7 +22,6 @@ from visitor import say
 
 from app import pages
 from app.session import message_filter, orders
-from app.views.live import live_figures
 
 SCRIPTS = list(Path(pages.__file__).parents[1].rglob("*.js"))
 HELLO = {"do": "hello", "n": 0}
@@ -140,7 +139,7 @@ def test_a_browser_receives_the_shared_document(visit, monkeypatch):
     monkeypatch.setattr(message_filter.MessageFilter, "write_message", write)
     assert visit.say({}, "PULL-DOC-REQ") == []
     assert sent[0] | {"msgid": ""} == {"msgid": "", "msgtype": "PULL-DOC-REPLY", "reqid": "1"}
-    roots = [*live_figures(), *visit.session.pages.slots]
+    roots = [*visit.session.pages.slots]
     assert sent[2]["doc"]["title"] and len(sent[2]["doc"]["roots"]) == len(roots)
     assert visit.session.wire in visit.session.doc.models.synced_references  # a later patch refers to it
 

@@ -1,8 +1,7 @@
 // The page "What matters": a bar for each parameter, and below the punch how much each node holds until the first slip.
 
-import { frameBox } from "../../static/js/bokeh.js"
+import { charts } from "../../static/js/charts.js"
 import { by, make, makeButton, on } from "../../static/js/dom.js"
-import { figures } from "../../static/js/figures.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
 import { minus } from "../../static/js/quantities.js"
@@ -52,7 +51,7 @@ function raise(name) {
 
 // Below the punch, with every frame: how much each node holds
 export function over(run, k) {
-  const box = result && !run.head.flat ? frameBox(figures.punch) : null
+  const box = result && !run.head.flat ? charts.punch.box : null
   if (!box) return
   const { drawn: x } = drawnFrame(run, k), { first } = run.headOf(k), { nodes } = result, ink = inks()
   const pen = by("story").getContext("2d")

@@ -1,10 +1,9 @@
 // Under the punch, over the same places: the tractions as two bands, so that what holds and what slips is seen where it
 // happens.
 
-import { frameBox } from "./bokeh.js"
+import { charts } from "./charts.js"
 import { isShown } from "./colours.js"
 import { by } from "./dom.js"
-import { figures } from "./figures.js"
 import { cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { minus } from "./quantities.js"
@@ -15,9 +14,9 @@ const ABOVE = 1.3 // times the size of the text, for what is above zero
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 
 export function drawBands(run, k) {
-  const canvas = by("bands"), box = frameBox(figures.punch), pen = box && isShown(canvas) ? cleared(canvas) : null
+  const canvas = by("bands"), box = charts.punch.box, pen = box && isShown(canvas) ? cleared(canvas) : null
   if (!pen) return
-  const { drawn: x, T_n, T_t } = drawnFrame(run, k), ink = inks(), { start, end } = figures.punch.x_range
+  const { drawn: x, T_n, T_t } = drawnFrame(run, k), ink = inks(), { start, end } = charts.punch.x
   const row = 1.35 * size(), high = canvas.clientHeight - row - 4
   const normal = {
     of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering],

@@ -1,21 +1,21 @@
 // Pinned runs, drawn behind the run on screen.
 
+import { charts } from "./charts.js"
 import { colour } from "./colours.js"
-import { beside, fill } from "./figures.js"
+import { beside } from "./curves.js"
 import { drawnFrame, sideways } from "./punch.js"
 
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 
-export const style = (slot) => ({ ink: colour(`--pin-${slot}`), dash: colour(`--pin-${slot}-dash`) })
+const DASHES = { dashed: [6, 4], dotted: [2, 4], dotdash: [2, 4, 6, 4], dashdot: [6, 4, 2, 4] }
 
-// What the lines of some runs have in common: colours and dashes in columns
-function columns(lines) {
-  const looks = lines.map(({ pin }) => style(pin.slot))
-  return {
-    xs: lines.map(({ x }) => x), ys: lines.map(({ y }) => y), width: lines.map(({ width }) => width ?? WIDE),
-    colour: looks.map(({ ink }) => ink), dash: looks.map(({ dash }) => dash),
-  }
-}
+export const style = (slot) => ({ ink: `--pin-${slot}`, dash: colour(`--pin-${slot}-dash`) })
+
+// What the lines of some runs have in common: colours and dashes
+const looking = (lines) => ({ list: lines.map(({ pin: { slot }, width = WIDE, x, y }) => {
+  const { ink, dash } = style(slot)
+  return { x, y, width, ink, dash: DASHES[dash] }
+}) })
 
 let lines = 0, surfaces = 0 // how many are drawn
 
@@ -29,9 +29,9 @@ export function drawLines(run, ghost, approach) {
     return { pin, width, x, y }
   }
   const forces = (pin) => [line(pin, "F"), line(pin, "L", THIN)]
-  fill("forces", "pins", columns(pins.flatMap(forces)))
-  fill("area", "pins", columns(pins.map((pin) => line(pin, "A"))))
-  fill("map", "pins", columns(approach ? [] : pins.flatMap(outline)))
+  charts.forces.fill("pins", looking(pins.flatMap(forces)))
+  charts.area.fill("pins", looking(pins.map((pin) => line(pin, "A"))))
+  charts.map.fill("pins", looking(approach ? [] : pins.flatMap(outline)))
 }
 
 // Both edges of contact over the path, until a leg turns; gaps where nothing is repelled
@@ -50,7 +50,7 @@ export function drawSurfaces(run, k) {
   const pins = beside(run).filter((pin) => !pin.run.head.flat)
   if (!pins.length && !surfaces) return
   surfaces = pins.length
-  fill("punch", "pins", columns(pins.map((pin) => {
+  charts.punch.fill("pins", looking(pins.map((pin) => {
     const { drawn: x, gap: y } = drawnFrame(pin.run, matched(pin, run, k), sideways(run))
     return { pin, x, y, width: 2 }
   })))

@@ -41,6 +41,22 @@ export function shades(low, high) {
     nan_color: "rgba(0,0,0,0)" }
 }
 
+// A canvas with a pixel for each of the values (rows, columns), shaded by `shades`; those that are NaN are left free
+export function pictureOf(values, [rows, columns], limits) {
+  const { low, high, palette } = shades(...limits), step = (high - low) / palette.length
+  const inks = Uint32Array.from(palette, (text) => {
+    const [red, green, blue] = [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
+    return (0xff000000 | (blue << 16) | (green << 8) | red) >>> 0
+  })
+  const canvas = new OffscreenCanvas(columns, rows), pen = canvas.getContext("2d")
+  const pixels = pen.createImageData(columns, rows), painted = new Uint32Array(pixels.data.buffer)
+  values.forEach((value, i) => {
+    if (value === value) painted[i] = inks[Math.min(Math.max(Math.floor((value - low) / step), 0), inks.length - 1)]
+  })
+  pen.putImageData(pixels, 0, 0)
+  return canvas
+}
+
 // Red, green and blue of a colour
 export const bytes = (name) => [1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16))
 

@@ -2,8 +2,8 @@
 
 import { drawBands } from "./bands.js"
 import { drawLines, drawSurfaces } from "./beside.js"
+import { drawCurves, drawMap } from "./curves.js"
 import { by } from "./dom.js"
-import { drawCurves, drawMap } from "./figures.js"
 import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"

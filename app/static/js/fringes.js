@@ -1,9 +1,8 @@
 // Stress inside the punch: photoelastic fringes, lines of equal shear stress, or one component with its sign.
 
-import { frameBox } from "./bokeh.js"
+import { charts } from "./charts.js"
 import { bytes, isShown } from "./colours.js"
 import { by, keep, kept, on } from "./dom.js"
-import { figures } from "./figures.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
 import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
@@ -73,10 +72,10 @@ function tableNow({ head: { scene } }, half) {
 }
 
 export function drawFringes(run, k) {
-  const canvas = by("fringes"), figure = figures.punch, box = isShown(by("punch-view")) ? frameBox(figure) : null
+  const canvas = by("fringes"), { punch } = charts, box = isShown(by("punch-view")) ? punch.box : null
   if (!box) return
   drawKey()
-  const { table, deep } = chosen() === "plain" || run.head.flat || run.apart ? {} : tableNow(run, figure.x_range.end)
+  const { table, deep } = chosen() === "plain" || run.head.flat || run.apart ? {} : tableNow(run, punch.x.end)
   canvas.hidden = !table
   if (!table) return
   const { left, top, width, height } = box, place = [left, top + BAR, width, height - BAR].join()
@@ -85,14 +84,14 @@ export function drawFringes(run, k) {
     Object.assign(canvas.style,
       { left: `${left}px`, top: `${top + BAR}px`, width: `${width}px`, height: `${height - BAR}px` })
   }
-  const size = me.dragging ? COARSE : FINE, stress = ordersIn(run, k, table, figure.x_range.end, size)
-  paintSheet(canvas, run, k, figure, { ...size, orders: stress, part: (height - BAR) / height, depth: deep })
+  const size = me.dragging ? COARSE : FINE, stress = ordersIn(run, k, table, punch.x.end, size)
+  paintSheet(canvas, run, k, punch, { ...size, orders: stress, part: (height - BAR) / height, depth: deep })
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
 // is to where it hangs on the top. part: of the view's height, that is below the top; depth: of what is shown, in
 // parts of the table
-function paintSheet(canvas, run, k, { x_range, y_range }, { wide, high: tall, columns, rows, orders, part, depth }) {
+function paintSheet(canvas, run, k, { x: across, y: up }, { wide, high: tall, columns, rows, orders, part, depth }) {
   if (canvas.width !== wide) Object.assign(canvas, { width: wide, height: tall })
   const pen = canvas.getContext("2d"), pixels = pen.createImageData(wide, tall)
   const shades = new Uint32Array(pixels.data.buffer)
@@ -100,8 +99,8 @@ function paintSheet(canvas, run, k, { x_range, y_range }, { wide, high: tall, co
   const U_x = times * run.top(k)
   const { theme } = document.documentElement.dataset, signed = chosen() in COMPONENTS
   const inks = signed ? signedInks(chosen(), theme) : inksOf(theme), zero = signed ? ORDERS * SHADES : 0
-  const half = x_range.end, nm = (2 * half) / wide, high = y_range.end - (1 - part) * (y_range.end - y_range.start)
-  const step = (high - y_range.start) / tall
+  const half = across.end, nm = (2 * half) / wide, high = up.end - (1 - part) * (up.end - up.start)
+  const step = (high - up.start) / tall
   for (let c = 0, i = 0; c < wide; c++) {
     const at = -half + (c + 0.5) * nm
     while (i < x.length - 2 && x[i + 1] < at) i++

@@ -1,11 +1,10 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
 import { namesScene } from "./address.js"
-import { dropPointer, onEvent } from "./bokeh.js"
 import { sendFile } from "./channel.js"
+import { charts, CURVES } from "./charts.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
-import { CURVES, figures } from "./figures.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
@@ -40,7 +39,6 @@ function connectHand() {
       from.way = Math.abs(dx) > Math.abs(dy) ? "along" : upright
       if (from.way === "scrolls") return
       view.setPointerCapture(event.pointerId)
-      dropPointer(figures.punch, event.pointerId)
       view.dataset.dragged = from.way
     }
     if (from.way === "along") pull(from.along, dx)
@@ -97,12 +95,26 @@ async function slowMotion() {
   if (!me.run?.stored) (await fetched(() => import("./later/film.js")))?.slowMotion()
 }
 
-// Hovering a curve shows that increment in every view while playback rests; a click goes there
-const there = (event) => (me.run?.sheared >= 0 ? me.run.nearest(event.x, me.at) : null)
-function connectCurve(figure) {
-  onEvent(figure, "mousemove", (event) => { if (!me.playing) me.preview = there(event) })
-  onEvent(figure, "mouseleave", () => { me.preview = null })
-  onEvent(figure, "tap", (event) => { const k = there(event); if (k !== null) goto(k) })
+// Beside the mouse a chart says what is there. On a curve, that increment is shown in every view while playback rests,
+// and a click goes there
+function connectChart(name) {
+  const chart = charts[name], { view } = chart, curve = CURVES.includes(name)
+  const px = (event) => {
+    const { left, top } = view.getBoundingClientRect()
+    return { x: event.clientX - left, y: event.clientY - top }
+  }
+  const there = (at) => (me.run?.sheared >= 0 && chart.box ? me.run.nearest(chart.placeOf(at).x, me.at) : null)
+  const point = (at) => {
+    me.pointed = at && { name, ...at }
+    if (curve && !me.playing) me.preview = at && there(at)
+  }
+  view.addEventListener("pointermove", (event) => { if (event.pointerType !== "touch") point(px(event)) })
+  view.addEventListener("pointerleave", () => point(null))
+  if (!curve) return
+  view.addEventListener("click", (event) => {
+    const k = there(px(event))
+    if (k !== null) goto(k)
+  })
 }
 
 const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
@@ -171,6 +183,6 @@ export function connect() {
   on("theme", "click", switchTheme)
   connectViews()
   document.addEventListener("keydown", onKey)
-  for (const name of CURVES) connectCurve(figures[name])
+  for (const name in charts) connectChart(name)
   connectHand()
 }

@@ -1,8 +1,7 @@
 // Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
 
-import { frameBox } from "./bokeh.js"
+import { charts } from "./charts.js"
 import { by, closest, on, onDrag, tell } from "./dom.js"
-import { figures } from "./figures.js"
 import { line, write } from "./pen.js"
 import { sideways } from "./punch.js"
 import { digits, fixed } from "./quantities.js"
@@ -41,7 +40,7 @@ const times = (factor) => `${digits(factor, 2)} times`
 
 // By how much the picture enlarges what it shows, in words
 function tellScales() {
-  const box = frameBox(figures.punch), { run } = me
+  const box = charts.punch.box, { run } = me
   if (!box || !run) return
   const moved = sideways(run), aside = moved > 1 ? ` and displacements sideways ${times(moved)}` : ""
   const text = run.head.flat ? "The picture is to scale."
@@ -62,7 +61,7 @@ export function drawLens(view) {
   Object.assign(by("lens").style,
     { left: `${centre[0] - radius}px`, top: `${centre[1] - radius}px`, width: `${2 * radius}px`,
       height: `${2 * radius}px` })
-  const { start, end } = figures.punch.x_range
+  const { start, end } = charts.punch.x
   for (const [name, value] of [["min", start], ["max", end], ["now", at]])
     by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
   by("lens").setAttribute("aria-valuetext",
@@ -146,7 +145,7 @@ function wedge(pen, x, y, half) {
 // Flat on flat: all nodes move alike, each on an elastic line to the top; a picture of its own in place of the punch
 export function drawLattice(view) {
   const { pen, box, narrow, X, Y, frame, run, k, ink } = view, { spacing } = run.head
-  const { start: from, end: to } = figures.punch.x_range, scale = box.across, low = Y(0)
+  const { start: from, end: to } = charts.punch.x, scale = box.across, low = Y(0)
   pen.fillStyle = ink.page
   pen.fillRect(box.left, box.top, box.width, box.height)
   const stretch = run.top(k) - run.least(k)
@@ -163,7 +162,7 @@ export function connectLens() {
   on("solver", "beforetoggle", tellScales)
   const grip = by("lens")
   const move = (nm) => {
-    const { start, end } = figures.punch.x_range
+    const { start, end } = charts.punch.x
     lens.place = Math.max(start, Math.min(end, (lens.place ?? Number(grip.getAttribute("aria-valuenow"))) + nm))
     redrawCanvases()
   }
@@ -173,7 +172,7 @@ export function connectLens() {
     grip.focus()
     return { x: event.clientX }
   }, (event, last) => {
-    const { start, end } = figures.punch.x_range
+    const { start, end } = charts.punch.x
     move(((event.clientX - last.x) * (end - start)) / by("story").clientWidth)
     last.x = event.clientX
   })

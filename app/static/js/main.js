@@ -1,12 +1,15 @@
 // The browser's half of the app. The server's page imports this file alone and calls `start` with the models.
 
 import * as address from "./address.js"
-import { onChange, plain, useIndex } from "./bokeh.js"
+import { plain, useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
+import { charts, makeCharts, shareAxis } from "./charts.js"
+import { readAgain } from "./colours.js"
 import * as connection from "./connection.js"
+import { connectCurves } from "./curves.js"
 import { by } from "./dom.js"
 import * as draw from "./draw.js"
-import { adopt, paint } from "./figures.js"
+import { paint } from "./figures.js"
 import { connectFringes } from "./fringes.js"
 import * as inputs from "./inputs.js"
 import { connectInside } from "./inside.js"
@@ -21,21 +24,28 @@ import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
 import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
 
-// wire: the Wire of this visitor; figures: {name: figure}; slots: {name: Column} for the figures of pages;
-// declarations: JSON of looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
-// {slider: values} and reach (of server_log.py); index: Bokeh's index of views
-export function start({ wire, figures, slots, declarations, index }) {
+// wire: the Wire of this visitor; slots: {name: Column} for the figures of pages; declarations: JSON of looks {preset:
+// text}, usual {preset: values}, nodes {state: how it is drawn}, positions {slider: values} and reach (of
+// server_log.py); index: Bokeh's index of views
+export function start({ wire, slots, declarations, index }) {
   Object.assign(declared, JSON.parse(declarations))
   useIndex(index)
-  figures = plain(figures)
-  for (const name in figures) adopt(name, figures[name])
+  makeCharts(declared.nodes)
+  connectCurves()
   channel.connect(wire)
   address.connect()
   inputs.connect()
   connectLens()
   connectFringes()
   connectInside()
-  view(["look"], paint)
+  view(["look"], () => {
+    readAgain()
+    shareAxis()
+    paint()
+  })
+  view(["pointed"], () => {
+    for (const name in charts) charts[name].point(me.pointed?.name === name ? me.pointed : null)
+  })
   status.connect()
   player.connect()
   draw.connect()
@@ -46,13 +56,8 @@ export function start({ wire, figures, slots, declarations, index }) {
   channel.take("status", status.heard)
   channel.take("page", pages.receive, pages.read)
   player.connectStored()
-  let resized = 0 // what rests is drawn anew, in the size of the text there, once a change of size has come to its end
-  new ResizeObserver(() => {
-    clearTimeout(resized)
-    resized = setTimeout(redraw, 100)
-  }).observe(document.querySelector("figure"))
-  // and what lies over the punch, once Bokeh has its new size, which takes longer on a busy machine
-  for (const size of ["inner_width", "inner_height"]) onChange(figures.punch, size, redrawCanvases)
+  const resized = new ResizeObserver(redraw) // what rests is drawn anew, in the size of the text there
+  for (const name in charts) resized.observe(charts[name].view)
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)

@@ -1,12 +1,11 @@
 // The punch, its nodes and the tractions of a frame, and the ranges that hold all frames of a run.
 
-import { frameBox, set } from "./bokeh.js"
+import { charts, CURVES, shareAxis } from "./charts.js"
 import { readAgain } from "./colours.js"
+import { settled } from "./curves.js"
 import { by } from "./dom.js"
-import {
-  CURVES, figures, fill, parts, settled, shareAxis,
-} from "./figures.js"
-import { declared, me, memory } from "./store.js"
+import { fixed } from "./quantities.js"
+import { declared, me } from "./store.js"
 
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
 const TAIL = 0.2 // of what acts may lie out of sight, where attraction is weak, before the axis grows
@@ -18,7 +17,7 @@ const SITES = 5 // of a flat surface on either side of the middle: it is all ali
 export function sideways({ head, normal }) {
   if (head.flat) return 1
   const far = normal ? 0 : Math.max(...head.span.map(Math.abs)) // nm, what the top moves
-  return Math.max(1, Math.min(LARGER, Math.floor((IN_SIGHT * figures.punch.x_range.end) / far)))
+  return Math.max(1, Math.min(LARGER, Math.floor((IN_SIGHT * charts.punch.x.end) / far)))
 }
 
 // Frame k with `drawn`: x as it is drawn, with displacements so many times as large
@@ -32,42 +31,44 @@ export function drawnFrame(run, k, times = sideways(run)) {
 export function drawFrame(run, k) {
   const frame = drawnFrame(run, k)
   const top = Math.max(7, Math.min(...frame.gap) + 3) // a punch still far away must be in view as well
-  if (!me.dragging) set(figures.punch.y_range, { end: top })
-  drawPunch(run, frame, top)
-  const location = run.curves[run.part(run.approaching(k)).abscissa][k]
-  for (const view of CURVES) set(parts[view].cursor, { location })
+  if (!me.dragging) charts.punch.range("y", { end: top })
+  drawPunch(run, frame)
+  const at = run.curves[run.part(run.approaching(k)).abscissa][k]
+  for (const name of CURVES) charts[name].fill("cursor", { at })
 }
 
-function drawPunch(run, frame, top) {
-  const { x: at, drawn: x, gap, T_n, T_t } = frame, n = x.length
-  const outline = { x: new Float32Array(2 * n), y: new Float32Array(2 * n) }
-  for (let i = 0; i < n; i++) {
-    outline.x[i] = outline.x[2 * n - 1 - i] = x[i]
-    outline.y[i] = gap[i]
-    outline.y[2 * n - 1 - i] = Math.max(top + 1, gap[i])
-  }
-  fill("punch", "body", outline)
-  fill("punch", "surface", { x, gap })
+function drawPunch(run, frame) {
+  const { drawn: x, gap } = frame, { punch } = charts
+  for (const label of ["body", "surface"]) punch.fill(label, { x, y: gap })
   const groups = Object.groupBy(x.keys(), frame.state)
   for (const label in declared.nodes) {
     const pick = (list) => Float32Array.from(groups[label] ?? [], (i) => list[i])
-    fill("punch", label, { x: pick(x), at: pick(at), gap: pick(gap), T_n: pick(T_n), T_t: pick(T_t) })
+    punch.fill(label, { x: pick(x), y: pick(gap) })
   }
+  punch.says = run.head.flat ? () => null : (_, at) => saidOf(frame, at)
   if (!run.head.flat) return
   const { mark, label } = declared.nodes[frame.state(0)] // the key of the nodes of a flat surface, which are all alike
   by("flat-mark").className = mark
   by("flat-state").textContent = label
 }
 
+// The node under the mouse, in words
+const NEAR = 8 // px
+function saidOf({ x, drawn, gap, T_n, T_t, state }, at) {
+  const { X, Y } = charts.punch.box, far = (i) => Math.hypot(X(drawn[i]) - at.x, Y(gap[i]) - at.y)
+  const i = drawn.reduce((best, _, k) => (far(k) < far(best) ? k : best), 0)
+  return far(i) > NEAR ? null : [declared.nodes[state(i)].label, `x = ${fixed(x[i], 1)} nm`,
+    `gap = ${fixed(gap[i], 3)} nm`, `Tₙ = ${fixed(T_n[i], 3)} GPa`, `Tₜ = ${fixed(T_t[i], 3)} GPa`]
+}
+
 // The sites of the lattice: a line of dashes, which is quicker to paint than hundreds of marks
 const SITE = 2.5 // px
-const sites = memory()
 function drawSites({ spacing, middle }) {
-  const box = frameBox(figures.punch), half = Math.ceil(figures.punch.x_range.end / spacing) + 2
-  if (!box || !sites(half, spacing, middle, box.across, me.look)) return
+  const { box, x } = charts.punch, half = Math.ceil(x.end / spacing) + 2
+  if (!box) return
   const first = (Math.round(middle / spacing) - half) * spacing - middle - SITE / 2 / box.across
-  fill("punch", "sites", { x: [first, first + 2 * half * spacing + SITE / box.across], gap: [0, 0] })
-  set(parts.punch.sites.glyph, { line_width: SITE, line_dash: [SITE, spacing * box.across - SITE] })
+  charts.punch.fill("sites", { width: SITE, dash: [SITE, spacing * box.across - SITE],
+    x: [first, first + 2 * half * spacing + SITE / box.across], y: [0, 0] })
 }
 
 // How far from the middle the map of a run reaches, and its punch is seen, nm
@@ -78,18 +79,18 @@ const seen = ({ head: { flat, spacing } }, half) => (flat ? Math.min(half, SITES
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
   if (me.dragging) return
-  const { map, punch } = figures, { flat } = run.head, half = run.apart ? map.y_range.end : reach(run)
+  const { map, punch } = charts, { flat } = run.head, half = run.apart ? map.y.end : reach(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
   if (others) {
     readAgain() // other views are in sight
     shareAxis()
-    for (const part of Object.values(parts.punch)) if (part.glyph) set(part, { visible: !flat }) // lens.js draws a flat
+    punch.shown = !flat // lens.js draws a flat
   }
   const spare = flat || others ? 0 : TAIL
-  const wide = settled(punch.x_range.end, seen(run, half), spare), tall = settled(map.y_range.end, half, spare)
-  set(map.y_range, { start: -tall, end: tall })
-  set(punch.x_range, { start: -wide, end: wide })
-  set(punch.y_range, { start: -settled(-punch.y_range.start, Math.max(DEEP, -1.15 * run.lowest)) })
+  const wide = settled(punch.x.end, seen(run, half), spare), tall = settled(map.y.end, half, spare)
+  map.range("y", { start: -tall, end: tall })
+  punch.range("x", { start: -wide, end: wide })
+  punch.range("y", { start: -settled(-punch.y.start, Math.max(DEEP, -1.15 * run.lowest)) })
   drawSites(run.head)
 }

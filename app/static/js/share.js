@@ -3,6 +3,7 @@
 import { linkTo, opensElsewhere } from "./address.js"
 import { holderOf, pictureOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
+import { charts } from "./charts.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
@@ -28,26 +29,27 @@ const frameOf = (link) =>
   `<iframe src="${escaped(link)}${link.includes("?") ? "&amp;" : "?"}embed=1" width="960" height="600"></iframe>`
 
 // Views that are on screen: [name, title]
-const views = () => Object.keys(figures).flatMap((name) => {
-  const holder = holderOf(figures[name])
-  return holder?.clientWidth && holder.clientHeight ? [[name, titleOf(holder)]] : []
+const holder = (name) => charts[name]?.view ?? holderOf(figures[name])
+const views = () => [...Object.keys(charts), ...Object.keys(figures)].flatMap((name) => {
+  const view = holder(name)
+  return view?.clientWidth && view.clientHeight ? [[name, titleOf(view)]] : []
 })
-const captionOf = (holder) => holder.closest("figure")?.querySelector("figcaption")
-const titleOf = (holder) => (captionOf(holder)?.querySelector("b") ?? captionOf(holder))?.textContent.trim() ?? "view"
+const captionOf = (view) => view.closest("figure")?.querySelector("figcaption")
+const titleOf = (view) => (captionOf(view)?.querySelector("b") ?? captionOf(view))?.textContent.trim() ?? "view"
 
-// A view as it is on screen: its plot, what lies under and over it, and the bands of the tractions below it
+// A view as it is on screen: all of its canvases, and the bands of the tractions below the punch
 export async function png(name) {
-  const holder = holderOf(figures[name]), frame = holder.parentElement
-  const plot = pictureOf(figures[name]), drawn = [...frame.querySelectorAll(".view canvas, .view + canvas")]
-  const parts = [...drawn.filter((one) => one.matches(".fringes")), plot,
-    ...drawn.filter((one) => !one.matches(".fringes"))]
-  const box = holder.getBoundingClientRect(), scale = plot.width / box.width
-  const below = drawn.find((one) => one.parentElement === frame && one.clientHeight)?.getBoundingClientRect()
-  const height = (below ?? box).bottom - box.top, canvas = make("canvas", { width: plot.width, height: height * scale })
+  const view = holder(name), box = view.getBoundingClientRect(), { clientWidth: width } = view
+  const plot = name in figures ? pictureOf(figures[name]) : null
+  const drawn = plot ? [] : [...view.parentElement.querySelectorAll(".view canvas, .view + canvas")]
+  const scale = (plot ?? charts[name].canvas).width / width
+  const below = drawn.find((one) => one.parentElement !== view && one.clientHeight)?.getBoundingClientRect()
+  const height = (below ?? box).bottom - box.top
+  const canvas = make("canvas", { width: width * scale, height: height * scale })
   const pen = canvas.getContext("2d")
   pen.fillStyle = colour("--page")
   pen.fillRect(0, 0, canvas.width, canvas.height)
-  for (const part of parts) {
+  for (const part of plot ? [plot] : drawn) {
     const place = part === plot ? box : part.getBoundingClientRect()
     if (!place.width || !part.width) continue
     pen.globalAlpha = part === plot ? 1 : Number(getComputedStyle(part).opacity)

@@ -1,7 +1,7 @@
 // What this visitor sees, in declared fields, and the views of it. Setting a field marks the views that watch it; all
-// that are marked draw together, once in an animation frame.
+// that are marked draw together, once what is being done now has ended.
 
-import { painted } from "./bokeh.js"
+import { paintCharts } from "./charts.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
@@ -17,6 +17,7 @@ const fields = {
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last
   film: null, // {run, k, paused}: a state of a slow motion, drawn in place of the frame
+  pointed: null, // {name, x, y}: the chart that the mouse points at, and px in it
   playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
   status: {}, waiting: [], // the last message of the server; {n, what, values, at} of orders without an answer
   // no server; the sliders say another scene; the place of the path to go to once it is there
@@ -38,9 +39,9 @@ function watch(list, names, draw) {
   schedule()
 }
 
-// Call `draw` before Bokeh paints, now and whenever one of these fields was set
+// Call `draw` before the charts are painted, now and whenever one of these fields was set
 export const view = (names, draw) => watch(views, names, draw)
-// Call `draw` once Bokeh has painted: for canvases that lie over its figures
+// Call `draw` once they are painted: for canvases that lie over them
 export const cover = (names, draw) => watch(covers, names, draw)
 
 // Mark what watches these fields, as their contents have changed
@@ -77,13 +78,13 @@ function schedule() {
 
 export const cost = { of: 0, ended: 0 } // ms that the last picture took, and when it was done
 
-async function render() {
+function render() {
   const begun = performance.now()
   drawAll(views)
-  const changed = performance.now(), woken = await painted()
+  paintCharts()
   drawAll(covers)
   const ended = performance.now()
-  if (woken !== null) Object.assign(cost, { of: changed - begun + ended - woken, ended })
+  Object.assign(cost, { of: ended - begun, ended })
   rendering = false
   if ([...views, ...covers].some(({ due }) => due)) schedule()
 }

@@ -1,8 +1,7 @@
 // The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
 
-import { frameBox } from "./bokeh.js"
+import { charts } from "./charts.js"
 import { by, tell } from "./dom.js"
-import { figures } from "./figures.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
@@ -23,7 +22,7 @@ const PATCHES = 8 // with a bracket each; more are described in words
 
 // Draw everything that belongs to frame k of a run over the punch
 export function drawStory(run, k) {
-  const box = frameBox(figures.punch), pen = cleared(by("story"))
+  const box = charts.punch.box, pen = cleared(by("story"))
   if (!box || !pen) return
   const { X, Y } = box, frame = drawnFrame(run, k)
   const slip = run.slipBefore(k, MARKED)
@@ -57,7 +56,7 @@ function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {
 
 // The rigid top: a bar whose marks move with it, and what it does
 function drawTop({ pen, box, X, frame, run, k, ink }) {
-  const U_x = frame.times * run.top(k), { x_range } = figures.punch
+  const U_x = frame.times * run.top(k), { x: x_range } = charts.punch
   pen.fillStyle = ink.soft
   pen.fillRect(box.left, box.top, box.width, BAR)
   const pitch = run.head.flat ? run.head.spacing / 4 : 20, shift = U_x % pitch

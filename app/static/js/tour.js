@@ -1,9 +1,8 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
 import { sceneChanges } from "./address.js"
-import { frameBox } from "./bokeh.js"
+import { charts, CURVES } from "./charts.js"
 import { by, make, makeButton, readdress, tell } from "./dom.js"
-import { CURVES, figures } from "./figures.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
 import { fixed, minus } from "./quantities.js"
@@ -145,7 +144,7 @@ const curtain = (name) => curtains[name] ??= figureOf(name).appendChild(make("di
 function hideFuture() {
   if (!card || card.hidden) return
   for (const name of CURVES) {
-    const box = frameBox(figures[name]), hidden = phase === "turn" || !box || !me.run
+    const box = charts[name].box, hidden = phase === "turn" || !box || !me.run
     curtain(name).hidden = hidden
     if (hidden) continue
     const ahead = phase === "wait" || me.run.sheared < 0, far = box.left + box.width + 2

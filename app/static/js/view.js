@@ -1,7 +1,7 @@
 // The ways to look at the experiment: as it opens, with more in sight, and in large for a lecture hall.
 
+import { CURVES } from "./charts.js"
 import { by, keep, kept, on, readdress } from "./dom.js"
-import { CURVES } from "./figures.js"
 import { openPage } from "./pages.js"
 import { redraw, sees } from "./store.js"
 

@@ -1,9 +1,8 @@
 // Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
 
-import { frameBox, set } from "../bokeh.js"
+import { charts } from "../charts.js"
 import { order, take } from "../channel.js"
 import { by, on } from "../dom.js"
-import { figures } from "../figures.js"
 import { cleared, inks, line, over, size, write } from "../pen.js"
 import { goto, toggle } from "../player.js"
 import { unpackLater } from "../packed.js"
@@ -82,9 +81,9 @@ function receive(chunk) {
 
 // Let the axis of the forces hold the motion as well, which is rougher
 function widenForces(values) {
-  const range = figures.forces.y_range, { start, end } = range, held = values.map((value) => 1.1 * value)
+  const { start, end } = charts.forces.y, held = values.map((value) => 1.1 * value)
   film.axis = { start, end }
-  set(range, { start: Math.min(start, ...held), end: Math.max(end, ...held) })
+  charts.forces.range("y", { start: Math.min(start, ...held), end: Math.max(end, ...held) })
 }
 
 function step(time) {
@@ -114,7 +113,7 @@ function useScrub(most, label) {
 // F of the motion from state to state, in a field of its own beside the place of the slip, over the same axis of forces
 function drawTrace() {
   if (!film?.frames) return
-  const { frames, k } = film, box = frameBox(figures.forces), pen = box && cleared(film.canvas ??= over("forces"))
+  const { frames, k } = film, box = charts.forces.box, pen = box && cleared(film.canvas ??= over("forces"))
   by("scrub").value = me.film.k - k
   tell("slow motion")
   if (!pen) return
@@ -140,7 +139,7 @@ function drawTrace() {
 
 function leave() {
   film.canvas?.remove()
-  if (film.axis) set(figures.forces.y_range, film.axis)
+  if (film.axis) charts.forces.range("y", film.axis)
   film = null
   useScrub(me.run.length - 1, "Increment shown")
   tell("")

@@ -50,7 +50,7 @@ export const load = ({ scene }, k = null) => goBackTo(scene, k)
 const button = (text, label, onclick, more) => makeButton({ title: label, "aria-label": label, onclick, ...more }, text)
 
 export function swatch(slot) {
-  const { ink, dash } = style(slot), stroke = { stroke: ink, "stroke-width": 3, "stroke-dasharray": DASHES[dash] ?? "" }
+  const { ink, dash } = style(slot), stroke = { stroke: `var(${ink})`, "stroke-width": 3, "stroke-dasharray": DASHES[dash] ?? "" }
   return makeShape("svg", { class: "swatch", "aria-hidden": true }, makeShape("path", { d: "M1 5 H33", ...stroke }))
 }
 

@@ -1,0 +1,68 @@
+// The four charts of the experiment: the punch, forces and area over the path, and the map of tractions.
+
+import { Chart } from "./chart.js"
+import { isShown } from "./colours.js"
+import { by } from "./dom.js"
+
+export const CURVES = ["forces", "area", "map"]
+export const charts = {} // {name: Chart}
+globalThis.charts = charts // for the console, and for tests
+const DASHED = [6, 4]
+const SLIP = { kind: "marks", marker: "diamond", size: 9, ink: "--slip", hollow: true } // hollow: peaks stay visible
+const none = { x: [], y: [] }
+const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
+const pins = () => ({ kind: "lines", list: [] })
+const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
+const ways = () => ({ kind: "marks", marker: "right", size: 11, ink: "--text", ...none }) // heads along a curve
+
+// nodes: {state: how it is drawn}, the most important first
+export function makeCharts(nodes) {
+  const place = { start: -250, end: 250 }, path = { start: 0, end: 40 }
+  const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
+  const states = Object.entries(nodes).toReversed().map(([state, { marker, size, colour }]) =>
+    [state, { kind: "marks", marker, size, ink: colour, ...none }])
+  charts.punch = new Chart(view("punch"), { x: { ...place }, y: { start: -1.2, end: 7 },
+    across: "x on the substrate, from the middle (nm)", up: "height (nm)", parts: {
+      substrate: { kind: "below", ink: "--text", alpha: 0.12 },
+      body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
+      sites: line("--text", { width: 2.5 }), ...Object.fromEntries(states), pins: pins(),
+    } })
+  charts.forces = new Chart(view("forces"), { x: path, y: { start: -1, end: 2 }, across: "", up: "F, L (N/m)", parts: {
+    zero: { kind: "across", ink: "--grid" }, pins: pins(),
+    ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
+    F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
+    slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
+  } })
+  charts.area = new Chart(view("area"), { x: path, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
+    pins: pins(), ghost_A: line("--ghost", { width: 3 }), A: line("--area", { width: 2 }),
+    slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
+  } })
+  charts.map = new Chart(view("map"), { x: path, y: { ...place }, across: "", up: "x (nm)", parts: {
+    map: { kind: "image", picture: null }, unrested: { kind: "stripes", list: [], ink: "--free" },
+    branch: line("--text", { dash: DASHED }), // edges of the contact in other stages
+    pins: pins(), slips: { ...SLIP, ...none }, cursor: cursor(),
+  } })
+}
+
+// Dashes of the load, but where both ways of a path would fill each other's gaps
+export const dashLoad = (dashed) => {
+  for (const name of ["L", "ghost_L"]) charts.forces.fill(name, { dash: dashed ? DASHED : [] })
+}
+
+// All charts again: colours, sizes or what is in sight have changed
+export function change() {
+  for (const name in charts) charts[name].changed = true
+}
+
+export const paintCharts = () => { for (const name in charts) charts[name].paint() }
+
+// What is not in sight is not drawn
+export const chartShown = (name) => isShown(charts[name].view)
+
+// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
+export function shareAxis() {
+  const stacked = CURVES.filter(chartShown)
+  for (const name of stacked) charts[name].axis = name === stacked.at(-1)
+  charts.punch.axis = !isShown(by("bands"))
+  change()
+}

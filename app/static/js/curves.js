@@ -1,0 +1,163 @@
+// The curves and the map of the run on screen, into their charts.
+
+import { charts, chartShown, dashLoad } from "./charts.js"
+import { nice, pictureOf } from "./colours.js"
+import { by, tell } from "./dom.js"
+import { tellLimits } from "./figures.js"
+import { fixed, named } from "./quantities.js"
+import { me } from "./store.js"
+import { tellStart } from "./words.js"
+
+const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
+const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at its ends are whole
+const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
+const SPARE = 0.08 // of a curve, on either side of it on a new axis
+const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
+
+// Let y of a chart hold low..high. It grows at once when too small, and shrinks when far too large and no slider is held
+function fit(chart, low, high) {
+  const { start, end } = chart.y, size = Math.max(high - low, 1e-9)
+  const below = low - EDGE * size < start, above = high + EDGE * size > end
+  const least = low < 0 ? -Infinity : -SPARE * size // what is never negative has no axis below zero
+  if (me.dragging)
+    chart.range("y",
+      { start: below ? Math.max(low - ROOM * size, least) : start, end: above ? high + ROOM * size : end })
+  else if (below || above || size < FAR_LESS * (end - start))
+    chart.range("y", { start: low - SPARE * size, end: high + SPARE * size })
+}
+
+// The end of an axis, where a run needs `needed`, with `spare` of it without harm out of sight
+export const settled = (end, needed, spare = 0) =>
+  (needed <= (1 + spare) * end && needed > FAR_LESS * end ? end : needed)
+
+// [lowest, highest] of all numbers, and zero
+export const extent = (...lists) => lists.reduce(([a, b], list) => {
+  for (const v of list) { if (v < a) a = v; if (v > b) b = v }
+  return [a, b]
+}, [0, 0])
+
+// Pins whose runs are drawn along the same path as a run
+export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
+  shown && pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
+
+const NOTHING = { along: [], value: [] }
+export function drawCurves(run, ghost, approach) {
+  // along something else, or drawn already
+  const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
+  if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
+  const known = new Map([run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => [of, {}])) // made once
+  const part = (of, name) => (of ? (known.get(of)[name] ??= of.drawn(name, approach)) : NOTHING)
+  for (const [chart, name] of [["forces", "F"], ["forces", "L"], ["area", "A"]]) {
+    for (const [label, of] of [[`ghost_${name}`, ghost], [name, run]]) {
+      const { along: x, value: y } = part(of, name)
+      charts[chart].fill(label, { x, y })
+    }
+  }
+  document.querySelector(".page").dataset.ghost = ghost !== null
+  nameGhost(run, ghost)
+  nameAxis(approach ? "delta" : run.head.abscissa)
+  markSlips(run, approach)
+  const values = (name) => [...known.keys()].map((of) => part(of, name).value)
+  fitCurves(run, approach, ["F", "L"].map(values), values("A"))
+}
+
+// Slips, and which way each part of a loop is walked
+function markSlips(run, approach) {
+  const along = run.normal || approach
+  for (const [chart, name, way] of [["forces", along ? "L" : "F", run.normal ? "L" : "F"], ["area", "A", "A"]]) {
+    const [x, y] = run.slips(name, 1, null, approach)
+    charts[chart].fill("slips", { x, y })
+    pointAlong(run, charts[chart], run.curves[way])
+  }
+}
+
+// Axes that hold the forces and areas of all runs drawn
+function fitCurves(run, approach, forces, areas) {
+  const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
+  for (const name of ["forces", "area", "map"]) charts[name].range("x", { start: start - room, end: end + room })
+  fit(charts.forces, ...extent([-0.01, 0.02], ...forces.flat()))
+  const all = areas.flatMap((list) => [...list]), least = Math.min(...all), most = Math.max(...all, run.head.spacing)
+  const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
+  fit(charts.area, from, most)
+  tellStart(from && charts.area.y.start)
+}
+
+const NAMED = 2 // parameters at most
+
+// What the run before was computed with, where that is another scene
+function nameGhost({ scene }, ghost) {
+  const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
+  const values = names.map((name) => named(name, ghost.scene[name])).join(", ")
+  const text = names.length && names.length <= NAMED ? `: ${values}` : ""
+  for (const key of document.querySelectorAll(".key .ghost .of")) tell(key, text)
+}
+
+// Which way each part of a loop is walked: heads of arrows, those of its ways at other places
+const HEADS = [[0.25, 0.55], [0.2, 0.65], [0.4, 0.9]] // parts of a way
+function pointAlong(run, chart, value) {
+  const { along, curves: { stage: stages } } = run, loops = run.normal || run.head.span[0] < 0
+  const heads = [...new Set(loops ? stages : [])].filter((stage) => stage > 0).flatMap((stage, i) => {
+    const first = stages.indexOf(stage), last = stages.lastIndexOf(stage), way = Math.sign(along[last] - along[first])
+    return way ? HEADS[i % HEADS.length].map((part) => [Math.round(first + part * (last - first)), way]) : []
+  })
+  chart.fill("ways", { x: heads.map(([k]) => along[k]), y: heads.map(([k]) => value[k]),
+    marker: heads.map(([, way]) => (way > 0 ? "right" : "left")) })
+}
+
+// What curves are drawn along
+const AXES = {
+  U_x: ["Uₓ", "displacement Uₓ (nm)"], delta: ["δ", "indentation δ (nm)"], path: ["path", "length of the path (nm)"],
+}
+let abscissaNamed = ""
+function nameAxis(abscissa) {
+  if (abscissa === abscissaNamed) return
+  abscissaNamed = abscissa
+  const event = abscissa === "delta" ? "jump" : "slip", [, label] = AXES[abscissa]
+  for (const word of document.querySelectorAll(".slips")) word.textContent = event
+  const dashed = abscissa !== "delta" // over the same indentation dashes of both ways would fill each other's gaps
+  dashLoad(dashed)
+  document.querySelector("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", dashed)
+  for (const name of ["forces", "area", "map"]) charts[name].across = label
+}
+
+// What the charts say about a place that the mouse points at
+const where = (x) => `${AXES[abscissaNamed][0]} = ${fixed(x, 1)} nm`
+export function connectCurves() {
+  const at = (x) => (me.run?.sheared >= 0 ? me.run.nearest(x, me.at) : null)
+  const says = (names) => ({ x }) => {
+    const k = at(x)
+    return k === null ? null : [where(me.run.along[k]), ...names.map((name) => named(name, me.run.values(k)[name]))]
+  }
+  charts.forces.says = says(["F", "L"])
+  charts.area.says = says(["A"])
+  charts.map.says = ({ x, y }) => {
+    const { map } = charts.map.parts, column = Math.floor((x - map.x) / map.wide * map.columns)
+    const row = Math.floor((y - map.y) / map.high * map.rows), inside = column >= 0 && column < map.columns
+    const T = inside && row >= 0 && row < map.rows ? map.values[row * map.columns + column] : NaN
+    return [where(x), `x = ${fixed(y, 0)} nm`, T === T ? `Tₙ = ${fixed(T, 3)} GPa` : "free"]
+  }
+}
+
+export function drawMap(run, shown) {
+  if (run.sheared < 0 || !chartShown("map")) return
+  const { image: values, rows, columns, start, low, step, unrested } = run.map(shown), chart = charts.map
+  limitShades(run)
+  const picture = pictureOf(values, [rows, columns], [-ends[0], ends[1]])
+  chart.fill("map", { picture, values, rows, columns,
+    x: start - step / 2, y: low, wide: columns * step, high: rows * run.head.spacing })
+  chart.fill("unrested", { list: unrested })
+  by("unrested").hidden = !unrested.length
+  const { U_x: x, x: y } = run.otherEdges(shown)
+  chart.fill("branch", { x, y })
+  by("branch").hidden = !y.some((place) => place === place)
+  const [loads] = run.slips("F_bar", 1, run.stageOfMap(shown), run.approaching(shown))
+  chart.fill("slips", { x: loads, y: loads.map(() => 0.94 * chart.y.start) })
+}
+
+const ends = [0, 0] // GPa, at which the colours of the map end
+function limitShades(run) {
+  const needed = [-run.T_low, run.T_high].map((T) => nice(Math.max(T, LEAST)))
+  needed.forEach((GPa, i) => { ends[i] = settled(ends[i], GPa) })
+  tellLimits("map", -ends[0], ends[1])
+}
