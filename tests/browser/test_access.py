@@ -43,11 +43,12 @@ def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
     from_menu(page, "#pin")
     page.locator(".chip").wait_for()
     assert not found_by_axe(page)
-    for view in ("punch", "area"):
-        page.locator(f".as-table[data-view={view}]").click()
-        page.locator("#table tbody tr").first.wait_for()
-        assert not found_by_axe(page)
-        page.keyboard.press("Escape")
+    from_menu(page, "#take")
+    page.locator("#show-table").click()
+    page.locator("#table tbody tr").first.wait_for()
+    assert not found_by_axe(page)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
     page.set_viewport_size({"width": 390, "height": 844})
     assert not found_by_axe(page)
     page.set_viewport_size({"width": 1280, "height": 720})
@@ -121,23 +122,24 @@ def test_a_select_keeps_the_focus_and_space_still_starts_playback(look):
     assert page.evaluate("document.activeElement.id") == "preset"
 
 
-def test_every_plot_can_be_read_as_a_table(look):
+def test_the_increments_of_the_run_can_be_read_as_a_table(look):
     page = look()
-    page.keyboard.press("End")
-    page.wait_for_function("punch.drawn === punch.run.length - 1")
-    frames = page.evaluate("punch.run.length - punch.run.sheared")
-    nodes = page.evaluate("punch.run.frame(punch.drawn).x.length")
-    for view, rows in (("punch", nodes), ("forces", frames), ("area", frames), ("map", frames)):
-        page.locator(f".as-table[data-view={view}]").click()
-        page.wait_for_function(f"document.querySelectorAll('#table tbody tr').length === {rows}", timeout=PATIENCE)
-        page.get_by_role("dialog").get_by_role("button", name="Close").click()
-        page.wait_for_function("!document.getElementById('table').open")
-    page.locator(".as-table[data-view=forces]").click()
-    page.get_by_role("dialog", name="Forces", exact=True).wait_for()
-    last = page.locator("#table tbody tr").last.locator("td").all_inner_texts()
-    F = page.evaluate("punch.run.values(punch.run.length - 1).F_bar * punch.run.head.force")
-    assert last[0] == "shear" and float(last[1]) == pytest.approx(40.0)
-    assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
+    from_menu(page, "#take")
+    page.locator("#show-table").wait_for()
+    page.locator("#show-table").press("Enter")
+    page.get_by_role("dialog", name="Increments of the run").wait_for()
+    assert page.locator("#table tbody tr").count() == page.evaluate("punch.run.length - punch.run.sheared")
+    names = ["Uₓ (nm)", "δ (nm)", "friction F (N/m)", "load L (N/m)", "contact area A (nm)", "slip"]
+    assert page.locator("#table th").all_inner_texts() == names
+    cells = page.locator("#table tbody tr").last.locator("td").all_inner_texts()
+    last = page.evaluate("(({ U_x, delta, F, L, A }) => [U_x, delta, F, L, A])(punch.run.values(punch.run.length - 1))")
+    assert [float(cell.replace("−", "-")) for cell in cells[:5]] == pytest.approx(last, rel=1e-3, abs=5e-3)
+    slips = page.evaluate("punch.run.curves.slip.filter((slip, k) => slip && k >= punch.run.sheared).length")
+    assert page.locator("#table tbody td:last-child", has_text="slip").count() == slips > 0
+    page.keyboard.press("Escape")
+    page.locator("#table").wait_for(state="hidden")
+    assert page.locator("#share").is_visible() and not page.locator("figcaption button").count()
+    page.keyboard.press("Escape")
 
 
 STOP = """() => {
