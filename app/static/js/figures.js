@@ -59,7 +59,7 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 
 // Pins whose runs are drawn along the same path as a run
 export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
-  shown && pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
+  shown && pinned.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
 
 let curvesDrawn = {} // {ghost, approach, look} as they were drawn
 const NOTHING = { along: [], value: [] }

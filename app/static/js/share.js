@@ -138,7 +138,7 @@ function connect() {
 
 export function open() {
   if (!connected) connect()
-  const link = linkTo(new URLSearchParams(location.search).getAll("pin").map((text) => ["pin", text]))
+  const link = linkTo()
   by("share-link").value = link
   by("share-frame").value = frameOf(link)
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))
