@@ -1,24 +1,21 @@
 """Computations for a visitor beside the run on screen. Every method runs under the lock of the document.
 
-A film and the table of a layer belong to one visitor. All visitors share pinned runs and marks.
+A film and the table of a layer belong to one visitor. All visitors share marks.
 """
 
-from functools import partial
 from typing import Any
 
 from app.service import tasks, worker
-from app.service.packing import Frames
 from app.service.pool import HEAVY
 from app.service.requests import Requests
 from app.session import orders
-from app.session.controls import NAMES, scene_from_address
+from app.session.controls import NAMES
 from app.session.orders import order
 from solver import Scene, SceneError
 from solver.analysis import marks
 from solver.following.skeleton import Skeleton
 from solver.run.load_steps import lifts
 
-MOST_PINNED = 4
 LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
 GEOMETRY = ("nu", "height", "width", "nodes")  # the parameters that the table of a layer depends on
 TABLES = 2  # tables that a visitor may wait for
@@ -73,34 +70,6 @@ class Layer(Requests):
         if not isinstance(made, Exception):  # without a table the browser draws nothing
             counts, scale, body = made
             self.session.send("layer", counts=counts, scale=scale, body=body, **head)
-
-
-class Pinned:
-    """The pinned runs of an address, one call per pin. Each is sent when complete."""
-
-    def __init__(self, session: Any) -> None:
-        self.session = session
-        self.pins = {pin: Requests(session) for pin in range(1, MOST_PINNED + 1)}
-
-    @order("pin", pin=orders.is_whole, values=orders.is_address)
-    def request(self, pin: int, values: dict[str, Any]) -> None:
-        """Send the run of a pin, given by its address {name: text}, or the reason for a failure."""
-        if pin in self.pins:
-            scene, *_ = scene_from_address({name: [text.encode()] for name, text in values.items()})
-            self.pins[pin].cancel()
-            self.pins[pin].add_one((worker.compute, scene), partial(self._made, pin))
-
-    def _made(self, pin, run):
-        why = run.failure if isinstance(run, Frames) else str(run)
-        if why:
-            return self.session.send("pinned failed", pin=pin, why=why)
-        for block in run.blocks:
-            self.session.send("pinned", pin=pin, body=block)
-
-    def cancel(self) -> None:
-        """Cancel all calls."""
-        for requests in self.pins.values():
-            requests.cancel()
 
 
 def mark_calls(scene: Scene, skeleton: Skeleton | None) -> dict[str, tuple]:

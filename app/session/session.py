@@ -13,7 +13,7 @@ from app.service.jobs import jobs as shared_jobs
 from app.service.requests import Requests
 from app.service.worker import KERNELS
 from app.session import controls, orders
-from app.session.extras import Film, Layer, Marks, Pinned
+from app.session.extras import Film, Layer, Marks
 from app.session.orders import Wire, order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
@@ -38,11 +38,11 @@ class Session:
         self.pursuit = Pursuit(self)
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
-        self.pinned, self.marks = Pinned(self), Marks(self)
+        self.marks = Marks(self)
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
         self.reading = Requests(self)  # reads an uploaded profile
-        self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer, self.pinned)
+        self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer)
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
@@ -53,7 +53,7 @@ class Session:
             self.closed = True
             self.pursuit.close()
             self.pages.close()
-            beside = self.film, self.layer, self.pinned, self.marks
+            beside = self.film, self.layer, self.marks
             for part in (self.reading, self.share, self.share.code, *beside):
                 part.cancel()
             visitors.discard(self)

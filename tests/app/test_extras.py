@@ -1,4 +1,4 @@
-"""Restoring and exporting scenes without a browser: addresses, profiles, pinned runs, files, Python code."""
+"""Restoring and exporting scenes without a browser: addresses, profiles, files, Python code."""
 
 import sys
 
@@ -7,7 +7,6 @@ import pytest
 from visitor import Page, messages, say
 
 from app.service import tasks, worker
-from app.service.packing import Frames
 from app.session import orders, share
 from app.session.controls import address_of, scene_from_address
 from app.session.profiles import name_of
@@ -59,31 +58,18 @@ def test_restoring_a_scene_reuses_a_known_run_and_resets_the_preset(page):
     assert page.status()["address"] == {"u_x_max": "6"}
 
 
-@pytest.mark.slow
-def test_pinned_runs_are_sent_beside_the_run_on_screen(page):
-    page.order("hello")
-    page.until("finished")
-    say(page.session, {"do": "pin", "values": {"u_x_max": "4", "E": "100"}, "pin": 2})
-    while page.chunks[-1][0] != ("pin", 2) or not page.chunks[-1][1]["last"]:
-        page.run_next()
-    assert page.curve("U_x")[-1] == pytest.approx(4.0)
-    assert page.status()["run"] == 1 and page.session.scene.u_x_max == 6.0
-
-
 @pytest.mark.parametrize(
     "given",
     [
         {"do": "restore", "values": {"E": 80}},
         {"do": "restore", "values": {"name": "x"}},
         {"do": "restore", "values": {"profile": "1" * 9000}},
-        {"do": "pin", "values": {"E": "80"}},
-        {"do": "pin", "values": {}, "pin": "1"},
         {"do": "export", "kind": "py"},
         {"do": "share", "link": 5},
         {"do": "share", "link": "x" * 6000},
     ],
 )
-def test_invalid_orders_to_restore_pin_and_export_are_rejected(session, given):
+def test_invalid_orders_to_restore_and_export_are_rejected(session, given):
     with pytest.raises(orders.Refused):
         orders.read(given, session.orders)
 
@@ -167,27 +153,14 @@ def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
     assert page.messages.pop()["kind"] == "film failed"
 
 
-def test_a_failed_pinned_run_sends_its_reason(session):
-    sent = messages(session)
-    say(session, {"do": "pin", "values": {"delta_bar": "0.3"}, "pin": 3})
-    (task,) = session.jobs.pool.tasks
-    task.set_result(Frames(failure="no equilibrium"))
-    assert sent == [{"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}]
-    say(session, {"do": "pin", "values": {}, "pin": 9})  # no pin
-    assert session.jobs.pool.tasks == [task]
-
-
-def test_a_rejected_order_is_acknowledged_and_leaves_the_pinned_run_to_be_computed(session):
-    sent = messages(session)
+def test_a_rejected_order_is_acknowledged_and_leaves_the_file_to_be_written(session):
     session.hello()
-    say(session, {"do": "pin", "values": {"delta_bar": "0.3"}, "pin": 3, "n": 1})
+    say(session, {"do": "export", "kind": "json", "n": 1})
     waiting = session.jobs.pool.tasks[-1]
-    say(session, {"do": "pin", "values": {"delta_bar": 0.4}, "pin": "4", "n": 2})
+    say(session, {"do": "export", "kind": "py", "n": 2})
     status = session.status
     assert status["acknowledged"] == 2 and "Reload the page" in status["notes"][0]
     assert session.jobs.pool.tasks[-1] is waiting and not waiting.cancelled()
-    waiting.set_result(Frames(failure="no equilibrium"))
-    assert sent[-1] == {"kind": "pinned failed", "pin": 3, "why": "no equilibrium"}
 
 
 def test_exports_use_the_newest_scene_while_it_waits(session):
@@ -197,16 +170,14 @@ def test_exports_use_the_newest_scene_while_it_waits(session):
     assert session.pursuit.requested and session.pursuit.scene == session.scene
 
 
-def test_many_pins_and_files_leave_few_tasks_and_no_memory(session):
-    """Of 20,000 pin orders, 17,000 tasks waited, and their scenes stayed in memory."""
+def test_many_orders_for_files_leave_few_tasks_and_no_memory(session):
     session.hello()
     for k in range(2000):
-        say(session, {"do": "pin", "values": {"delta_bar": f"{0.0001 * k:.4f}"}, "pin": 1 + k % 4, "n": k})
         say(session, {"do": "export", "kind": ("npz", "json")[k % 2], "n": k})
     left = [task for task in session.jobs.pool.tasks if not task.cancelled()]
-    assert len([task for task in left if task.call[0] is worker.compute]) == 1 + 4
+    assert len([task for task in left if task.call[0] is worker.compute]) == 1
     assert len([task for task in left if task.call[0] is tasks.file_of_run]) == 1
-    assert len(session.jobs._shared) <= 1 + 4 and len(session.share.wanted) == 2
+    assert len(session.jobs._shared) <= 1 and len(session.share.wanted) == 2
 
 
 def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_lives(session, monkeypatch):

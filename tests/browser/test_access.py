@@ -1,5 +1,7 @@
 """Accessibility: keyboard, screen readers, touch targets, contrast, and axe; of pages in test_pages.py."""
 
+import re
+
 import numpy as np
 import pytest
 from served import PATIENCE, PLAYING, finished, found_by_axe, from_menu, laid_out
@@ -41,11 +43,12 @@ def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
     from_menu(page, "#pin")
     page.locator(".chip").wait_for()
     assert not found_by_axe(page)
-    for view in ("punch", "area"):
-        page.locator(f".as-table[data-view={view}]").click()
-        page.locator("#table tbody tr").first.wait_for()
-        assert not found_by_axe(page)
-        page.keyboard.press("Escape")
+    from_menu(page, "#take")
+    page.locator("#show-table").click()
+    page.locator("#table tbody tr").first.wait_for()
+    assert not found_by_axe(page)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
     page.set_viewport_size({"width": 390, "height": 844})
     assert not found_by_axe(page)
     page.set_viewport_size({"width": 1280, "height": 720})
@@ -119,23 +122,24 @@ def test_a_select_keeps_the_focus_and_space_still_starts_playback(look):
     assert page.evaluate("document.activeElement.id") == "preset"
 
 
-def test_every_plot_can_be_read_as_a_table(look):
+def test_the_increments_of_the_run_can_be_read_as_a_table(look):
     page = look()
-    page.keyboard.press("End")
-    page.wait_for_function("punch.drawn === punch.run.length - 1")
-    frames = page.evaluate("punch.run.length - punch.run.sheared")
-    nodes = page.evaluate("punch.run.frame(punch.drawn).x.length")
-    for view, rows in (("punch", nodes), ("forces", frames), ("area", frames), ("map", frames)):
-        page.locator(f".as-table[data-view={view}]").click()
-        page.wait_for_function(f"document.querySelectorAll('#table tbody tr').length === {rows}", timeout=PATIENCE)
-        page.get_by_role("dialog").get_by_role("button", name="Close").click()
-        page.wait_for_function("!document.getElementById('table').open")
-    page.locator(".as-table[data-view=forces]").click()
-    page.get_by_role("dialog", name="Forces", exact=True).wait_for()
-    last = page.locator("#table tbody tr").last.locator("td").all_inner_texts()
-    F = page.evaluate("punch.run.values(punch.run.length - 1).F_bar * punch.run.head.force")
-    assert last[0] == "shear" and float(last[1]) == pytest.approx(40.0)
-    assert float(last[2].replace("−", "-")) == pytest.approx(F, rel=1e-3)
+    from_menu(page, "#take")
+    page.locator("#show-table").wait_for()
+    page.locator("#show-table").press("Enter")
+    page.get_by_role("dialog", name="Increments of the run").wait_for()
+    assert page.locator("#table tbody tr").count() == page.evaluate("punch.run.length - punch.run.sheared")
+    names = ["Uₓ (nm)", "δ (nm)", "friction F (N/m)", "load L (N/m)", "contact area A (nm)", "slip"]
+    assert page.locator("#table th").all_inner_texts() == names
+    cells = page.locator("#table tbody tr").last.locator("td").all_inner_texts()
+    last = page.evaluate("(({ U_x, delta, F, L, A }) => [U_x, delta, F, L, A])(punch.run.values(punch.run.length - 1))")
+    assert [float(cell.replace("−", "-")) for cell in cells[:5]] == pytest.approx(last, rel=1e-3, abs=5e-3)
+    slips = page.evaluate("punch.run.curves.slip.filter((slip, k) => slip && k >= punch.run.sheared).length")
+    assert page.locator("#table tbody td:last-child", has_text="slip").count() == slips > 0
+    page.keyboard.press("Escape")
+    page.locator("#table").wait_for(state="hidden")
+    assert page.locator("#share").is_visible() and not page.locator("figcaption button").count()
+    page.keyboard.press("Escape")
 
 
 STOP = """() => {
@@ -307,14 +311,15 @@ def test_single_letters_can_be_switched_off_for_good(visit):
 
 
 @pytest.mark.thorough
-def test_sliders_tell_their_unit_and_a_summary_says_what_happens(look):
+def test_slider_names_have_the_unit_and_values_the_number_and_a_summary_says_what_happens(look):
     page = look("?E=200&delta_bar=0.1")
     finished(page)
     page.keyboard.press("End")
     page.wait_for_function("punch.drawn === punch.run.length - 1 && !punch.fresh")
     told = {name: page.get_attribute(f"#{name}", "aria-valuetext") for name in ("E", "delta_bar", "phi_ratio", "scrub")}
-    assert told["E"] == "200 gigapascals" and told["delta_bar"] == "0.1 of δ₀"
-    assert told["phi_ratio"] == "1 times the adhesion" and told["scrub"].endswith("40.0 nanometres")
+    assert told == {"E": "200", "delta_bar": "0.1", "phi_ratio": "1", "scrub": "shear increment 400"}
+    page.get_by_role("slider", name="Stiffness E in GPa").wait_for()
+    assert re.fullmatch(r"x = −?\d+\.\d, gap −?\d+\.\d\d, \w+", page.get_attribute("#lens", "aria-valuetext"))
     summary = page.locator("section[aria-label=Summary]").text_content()
     sentence = page.locator("#sentence").text_content()
     assert "elastic punch" in summary and "sliders" in summary and sentence in summary

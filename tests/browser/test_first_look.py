@@ -14,7 +14,7 @@ OPERABLE = """() => {
         .map((e) => e.id || e.textContent.trim() || e.className)
 }"""
 IDEA = "#punch-view", "#sentence", ".view[data-view=forces]", "#delta_bar", "#phi_ratio", "#E", "#play"
-MORE = "#lens", "#bands", ".view[data-view=area]", ".view[data-view=map]", ".mark", ".as-table", "#readout"
+MORE = "#lens", "#bands", ".view[data-view=area]", ".view[data-view=map]", ".mark", "#readout"
 
 
 @pytest.fixture

@@ -74,12 +74,16 @@ def forces_of(page, k):
     page.evaluate("window.words = []")
     paused_at(page, k)
     page.wait_for_function(f"punch.drawn === {k} && !punch.fresh")
-    page.get_by_role("button", name="Friction and load against displacement, as a table").press("Enter")
+    from_menu(page, "#take")
+    page.locator("#show-table").wait_for()
+    page.locator("#show-table").press("Enter")
     page.locator("#table").wait_for()
     at = f"[{k} - punch.run.sheared]"
     row = page.evaluate(f"[...document.querySelectorAll('#table tbody tr')]{at}.cells[2].textContent")
     page.keyboard.press("Escape")
     page.locator("#table").wait_for(state="hidden")
+    page.keyboard.press("Escape")
+    page.locator("#share").wait_for(state="hidden")
     said, words = page.inner_text("#readout"), " ".join(page.evaluate("window.words"))
     spoken = page.text_content("#announcement")
     seen = {

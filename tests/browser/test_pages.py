@@ -1,7 +1,5 @@
 """The pages in Chromium: drawing, opening, closing, playback, and files."""
 
-import re
-
 import numpy as np
 import pytest
 from served import PATIENCE, faults_at, finished, found_by_axe, laid_out
@@ -23,10 +21,6 @@ SMALL = {"nodes": 256, "width": 625.0, "du_x": 0.5, "du_z": 0.5}  # inexpensive,
 QUICK = "&".join(f"{name}={value:g}" for name, value in SMALL.items())
 TINY = "nodes=64&width=160&radius=0.6&du_x=0.5&du_z=0.5"  # for pages of many runs
 SIZES = (390, 844), (844, 390), (768, 1024), (1280, 720), (1920, 1080), (720, 450)
-WITHOUT = {  # page: why its plots have no numbers at once
-    "matters": "it has no figures",
-    "load": "it has one point per run",
-}
 
 
 @pytest.fixture(scope="module", params=listed())
@@ -94,29 +88,6 @@ def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_p
     found = found_by_axe(page)
     page.locator("#theme").evaluate("(button) => button.click()")
     assert not found
-
-
-@thorough
-def test_every_plot_of_a_page_can_be_read_as_a_table(opened):
-    name, page = opened
-    figures = page.locator(f"#{name} .figures figure")
-    assert figures.count() == page.locator(f"#{name} .as-table").count()
-    if name in WITHOUT:
-        return
-    assert figures.count() > 0
-    page.set_viewport_size({"width": 1280, "height": 900})
-    page.locator("#more").evaluate("(button) => button.click()")
-    for i in range(figures.count()):
-        button = figures.nth(i).get_by_role("button", name="as a table")
-        button.click()
-        rows = page.locator("#table tbody tr")
-        rows.nth(4).wait_for()
-        cells = rows.first.locator("td").all_inner_texts()
-        assert cells[0] and all(re.fullmatch(r"[−\d.e+–-]+", cell) for cell in cells[1:]), cells
-        assert page.locator("#table th").count() == len(cells) and page.locator("#table-title").inner_text()
-        page.keyboard.press("Escape")
-        page.locator("#table").wait_for(state="hidden")
-    page.locator("#more").evaluate("(button) => button.click()")
 
 
 @thorough

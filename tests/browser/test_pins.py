@@ -1,7 +1,7 @@
-"""Pinned runs in Chromium: overlays and links."""
+"""Pinned runs in Chromium."""
 
 import pytest
-from served import MODEL, PATIENCE, finished, from_menu
+from served import MODEL, finished, from_menu
 
 from solver import Scene, load_path
 
@@ -51,21 +51,11 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
 
 
 @pytest.mark.thorough
-def test_pinned_runs_are_restored_from_the_address(visit):
-    page = visit("?E=100&pin=Soft*E*20&pin=*preset*fig7-case2")
+def test_pins_stay_out_of_links_and_an_older_link_with_pins_opens_without_them(visit):
+    page = visit("?u_x_max=4&du_x=0.5&pin=Soft*E*20")
     finished(page)
-    page.wait_for_function(f"() => {MODEL.format('area.pins')}.data_source.data.xs.length === 2", timeout=PATIENCE)
-    assert page.locator(".chip").all_inner_texts()[0].startswith("Soft") or "Soft" in page.inner_text("#chips")
-    assert page.evaluate("punch.status.values.E") == 100 and page.evaluate("punch.run.number") == 1
-    page.get_by_role("button", name="Remove Soft").click()
-    assert "Soft" not in page.url and "fig7-case2" in page.url
-
-
-@pytest.mark.thorough
-def test_a_pinned_run_of_a_link_that_fails_shows_why_and_can_be_removed(visit):
-    page = visit("?pin=Lifted*nodes*64*width*160*radius*0.6*E*30*hold*load*delta_bar*-0.1")
-    chip = page.locator(".chip", has_text="Lifted: failed")
-    chip.wait_for(timeout=PATIENCE)
-    assert page.inner_text("#pins-status").startswith("Lifted failed: ")
-    page.get_by_role("button", name="Remove Lifted").click()
-    assert not page.locator(".chip").count() and not page.locator("#pins").is_visible()
+    assert not page.locator(".chip").count() and not page.inner_text("#notes")
+    from_menu(page, "#pin")
+    page.locator(".chip").wait_for()
+    from_menu(page, "#take")
+    assert "pin=" not in page.input_value("#share-link") and page.url.count("pin=") == 1  # that of the older link

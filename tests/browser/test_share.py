@@ -24,6 +24,7 @@ def sheet(look):
     page = look("?delta_bar=0.4&phi_ratio=0.1&k=209&theme=light")
     page.wait_for_function("punch.drawn === 209")
     from_menu(page, "#take")
+    page.locator("#share").wait_for()  # it empties the field of an earlier run
     page.wait_for_function("document.getElementById('share-python').value")
     yield page
     page.keyboard.press("Escape")
@@ -191,6 +192,7 @@ def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(lo
     finished(page, run=2)
     page.locator("#drawer").get_by_role("button", name="Close").click()
     from_menu(page, "#take")
+    page.locator("#share").wait_for()  # it empties the field of an earlier run
     page.wait_for_function("document.getElementById('share-python').value")
     (tmp_path / "mixed-mode-contact.json").write_bytes(saved(page, "[data-file=json]"))
     lines = page.input_value("#share-python")

@@ -1,12 +1,12 @@
 """Strangers: random and mutated messages from several clients, while visitors work.
 
-`python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood | --pins] [--seed 0]` starts the
-server itself, on loopback, and is bounded by its number of messages. Orders are those that the session declares, with
-values that fit, or nearly. `--flood` sends valid orders and the longest messages, as fast as possible; `--pins` sends
-runs to pin, each of another scene. Before, it requests addresses that Panel and Bokeh would serve, and sends halves of
-long requests. Afterwards silent connections fill the server. It prints tracebacks, memory, the lag of the server's
-loop, whether every visitor's runs came to their end, and when a place is free again. It exits with 1 if a traceback was
-logged, a visitor is stuck, silence keeps others out, or an address that is not listed was answered.
+`python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood] [--seed 0]` starts the server
+itself, on loopback, and is bounded by its number of messages. Orders are those that the session declares, with values
+that fit, or nearly. `--flood` sends valid orders and the longest messages, as fast as possible. Before, it requests
+addresses that Panel and Bokeh would serve, and sends halves of long requests. Afterwards silent connections fill the
+server. It prints tracebacks, memory, the lag of the server's loop, whether every visitor's runs came to their end, and
+when a place is free again. It exits with 1 if a traceback was logged, a visitor is stuck, silence keeps others out, or
+an address that is not listed was answered.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from client import Server, Tab, summary, tell
 
 from app.environment import VISITORS
 from app.session import orders
-from app.session.extras import Film, Layer, Pinned
+from app.session.extras import Film, Layer
 from app.session.pursuit import Pursuit
 from app.session.session import Session
 from app.session.share import Share
@@ -51,7 +51,7 @@ FITTING = {  # by the test of a field: values of which some pass
 }
 
 
-PARTS = Session, Pursuit, Share, Film, Layer, Pinned
+PARTS = Session, Pursuit, Share, Film, Layer
 ORDERS = {name: getattr(part, method).order for part in PARTS for name, method in orders.declared(part).items()}
 
 
@@ -143,12 +143,6 @@ async def flood(tab, dice):
     else:
         await tab.send("PATCH-DOC", tab.patch([[] for _ in range(4000)]))
         await tab.send("PATCH-DOC", {"events": [[] for _ in range(dice.choice([2_000, 1_000_000]))]})
-
-
-async def pins(tab, dice):
-    """One run to pin."""
-    values = {"E": f"{dice.uniform(20, 100):.6f}"}
-    await tab.send("PATCH-DOC", tab.patch({"do": "pin", "n": 1, "pin": dice.randrange(1, 5), "values": values}))
 
 
 def half_sent(server, number=4, size=80_000_000):
@@ -255,7 +249,7 @@ async def attack(server, options):
     quiet, memory, start = server.metrics(), server.memory(), time.monotonic()
     unlisted = await asyncio.to_thread(answered, server.port)
     bodies = await asyncio.to_thread(half_sent, server)
-    share, say = options.messages // options.clients, flood if options.flood else pins if options.pins else speak
+    share, say = options.messages // options.clients, flood if options.flood else speak
     thrown = await asyncio.gather(*(stranger(server.port, k, share, options.seed, say) for k in range(options.clients)))
     seconds, told = time.monotonic() - start, server.metrics()
     places = await silent(server.port)
@@ -292,7 +286,6 @@ def main():
     parser.add_argument("--clients", type=int, default=5)
     parser.add_argument("--visitors", type=int, default=3)
     parser.add_argument("--flood", action="store_true", help="valid orders and the longest messages, without a pause")
-    parser.add_argument("--pins", action="store_true", help="runs to pin, without a pause")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()

@@ -30,9 +30,9 @@ class Page:
         self._change_callbacks = {}  # a document that was destroyed has none
 
     def trigger_on_change(self, event):
-        """Keep a message: frames of the run on screen, of a pin or of a film, by their number; or another one."""
+        """Keep a message: frames of the run on screen or of a film, by their number; or another one."""
         new = event.msg_data
-        numbers = {"run": new.get("run"), "pinned": ("pin", new.get("pin")), "film": ("film", new.get("frame"))}
+        numbers = {"run": new.get("run"), "film": ("film", new.get("frame"))}
         if new["kind"] in numbers:
             self.chunks.append((numbers[new["kind"]], *unpacked(new["body"])))
         elif new["kind"] != "status":

@@ -82,11 +82,10 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "more", "pin"]
+const VIEWED = ["theme", "embed", "tour", "view", "more"]
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
 export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page
-let pinned = new URLSearchParams(location.search).getAll("pin") // still to be brought back
 
 // The browser went back or forward. Where a page is open, Back closes it and changes nothing else
 function popped(event) {
@@ -118,14 +117,12 @@ function tellIncrement() {
   resting = setTimeout(() => readdress((now) => now.set("k", k)), REST)
 }
 
-// Once the run is whole: to the increment that was asked for, and then what else there was beside the run
+// Once the run is whole: to the increment that was asked for
 export function goToAsked() {
   if (!me.run?.length || !["finished", "skipped", "failed"].includes(me.status.state)) return
-  const k = wanted, texts = pinned
+  const k = wanted
   wanted = null
-  pinned = []
   if (k !== null && wantedOf === me.move) goto(k)
-  if (texts.length) import("./later/pins.js").then(({ fromLink }) => fromLink(texts))
 }
 
 // Whether the address of this page is that of the computer for itself; app/hosts.py has the same names
@@ -133,15 +130,14 @@ const opensHereOnly = () => ["localhost", "127.0.0.1", "[::1]"].includes(locatio
 // Whether others can open links of this page: the server may have another name for them
 export const opensElsewhere = () => !opensHereOnly() || declared.reach.origins.length > 0
 
-// The address of what is on screen now, for others; more: further parameters [[name, text], ...]
-export function linkTo(more = []) {
+// The address of what is on screen now, for others
+export function linkTo() {
   const origin = opensHereOnly() ? declared.reach.origins[0] : null, page = openedPage()
   const url = new URL(location.pathname, origin ?? location.origin)
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)
   if (sees("more")) url.searchParams.set("more", "1")
-  for (const [name, text] of more) url.searchParams.append(name, text)
   return url.href
 }
 

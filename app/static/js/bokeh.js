@@ -60,17 +60,15 @@ function dataOf(source) {
   return source.data
 }
 
-// {x, y} of the points of a curve, of dots or of texts, with the texts as `labels`, or {image, rows, columns,
-// x, y, dw, dh} of an image; null of anything else
+// {x, y} of the points of a curve or of dots, or {image, rows, columns} of an image; null of anything else
 export function drawnBy(renderer) {
   if (!renderer.data_source) return null
   const data = dataOf(renderer.data_source), { x, y } = renderer.glyph
   if (data.image) {
     const { shape: [rows, columns] } = data.image[0]
-    return { image: data.image[0], rows, columns, x: data.x[0], y: data.y[0], dw: data.dw[0], dh: data.dh[0] }
+    return { image: data.image[0], rows, columns }
   }
-  const labels = data[renderer.glyph.text?.field ?? "label"]
-  return x?.field && y?.field ? { x: data[x.field], y: data[y.field], labels } : null
+  return x?.field && y?.field ? { x: data[x.field], y: data[y.field] } : null
 }
 
 // Values (rows, columns) as an image wants them: of the kind that came from the server

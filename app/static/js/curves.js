@@ -39,7 +39,7 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 
 // Pins whose runs are drawn along the same path as a run
 export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
-  shown && pinned?.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
+  shown && pinned.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
 
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {

@@ -160,9 +160,8 @@ export function connect() {
     button.addEventListener("click", () => (button.dataset.page ? openPage(button.dataset.page) : closePage()))
   }
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
-  document.addEventListener("click", async ({ detail, target }) => {
+  document.addEventListener("click", ({ detail, target }) => {
     if (detail > 0) target.closest?.("button:not([popovertarget])")?.blur()
-    if (target.matches?.(".as-table")) (await fetched(() => import("./tables.js")))?.openTable(target)
   })
   on("play", "click", toggle)
   on("step", "click", () => { play(false); move(1) })

@@ -65,7 +65,7 @@ export function drawLens(view) {
   for (const [name, value] of [["min", start], ["max", end], ["now", at]])
     by("lens").setAttribute(`aria-value${name}`, value.toFixed(1))
   by("lens").setAttribute("aria-valuetext",
-    `x = ${at.toFixed(1)} nm, gap ${frame.gap[near].toFixed(2)} nm, ${frame.state(near)}`)
+    `x = ${fixed(at, 1)}, gap ${fixed(frame.gap[near], 2)}, ${frame.state(near)}`)
   const spot = [X(frame.drawn[near]), Math.max(box.top, Y(Math.max(0, frame.gap[near])))]
   const part = radius / Math.hypot(spot[0] - centre[0], spot[1] - centre[1])
   line(pen, [spot, centre.map((c, i) => c + (spot[i] - c) * part)], ink.soft) // from what it shows to the lens

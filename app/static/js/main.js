@@ -65,11 +65,11 @@ export function start({ wire, slots, declarations, index }) {
   opened()
   channel.order("hello")
   if (!embedded) pages.openAsked()
-  let kept = false // Share and tables open without the server, too, so that they come while it is there
+  let kept = false // Share opens without the server, too, so that it comes while that is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return
     kept = true
-    for (const name of ["share", "tables"]) import(`./${name}.js`)
+    import("./share.js")
   })
   const stop = Number(new URLSearchParams(location.search).get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))

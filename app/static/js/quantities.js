@@ -5,9 +5,7 @@ export const minus = (text) => `${text}`.replace("-", "−")
 export const digits = (value, count = 3) => minus(Number(value.toPrecision(count)))
 export const fixed = (value, places) => minus((Math.round(value * 10 ** places) / 10 ** places).toFixed(places))
 
-const SPOKEN = {
-  nm: "nanometres", "N/m": "newtons per metre", GPa: "gigapascals", "MPa/nm": "megapascals per nanometre",
-}
+const SPOKEN = { nm: "nanometres", "N/m": "newtons per metre" }
 const DECIMALS = 4 // of a number in three digits: what is smaller is round-off
 const length = (symbol, places = 1) => ({ symbol, unit: "nm", places })
 const force = (symbol) => ({ symbol, unit: "N/m" })
@@ -15,8 +13,8 @@ const QUANTITIES = { // {symbol, unit, places: of its numbers, else three digits
   U_x: length("Uₓ"), delta: length("δ"), path: length("path"), x: length("x"), gap: length("gap", 2), A: length("A"),
   F: force("F"), L: force("L"), F_s: force("Fₛ"),
   E: { symbol: "E", unit: "GPa", given: true },
-  delta_bar: { symbol: "δ/δ₀", unit: "", spoken: "of δ₀", given: true },
-  phi_ratio: { symbol: "φₜ/φₙ", unit: "", spoken: "times the adhesion", given: true },
+  delta_bar: { symbol: "δ/δ₀", unit: "", given: true },
+  phi_ratio: { symbol: "φₜ/φₙ", unit: "", given: true },
   phi_n: { symbol: "φₙ", unit: "N/m", given: true },
   delta_n: { symbol: "δₙ", unit: "nm", given: true }, delta_t: { symbol: "δₜ", unit: "nm", given: true },
   nu: { symbol: "ν", unit: "", given: true }, radius: { symbol: "R", unit: "w", given: true },
@@ -35,8 +33,5 @@ const followed = (text, unit) => (unit ? `${text} ${unit}` : text)
 export const withUnit = (name, value) => followed(number(name, value), quantityOf(name).unit)
 // "E = 70 GPa"
 export const named = (name, value) => `${quantityOf(name).symbol} = ${withUnit(name, value)}`
-// As one says it: "70 gigapascals"
-export function spoken(name, value) {
-  const { unit, spoken: words } = quantityOf(name)
-  return followed(number(name, value), words ?? SPOKEN[unit] ?? unit)
-}
+// As one says it: "195 newtons per metre"
+export const spoken = (name, value) => `${number(name, value)} ${SPOKEN[quantityOf(name).unit]}`

@@ -5,8 +5,9 @@ import { holderOf, pictureOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
 import { charts } from "./charts.js"
 import { colour } from "./colours.js"
-import { by, make, on } from "./dom.js"
+import { by, make, makeRow, on } from "./dom.js"
 import { figures } from "./figures.js"
+import { digits, fixed } from "./quantities.js"
 import { declared, me } from "./store.js"
 import { parameters } from "./words.js"
 
@@ -20,6 +21,12 @@ const COLUMNS = {
   "residual (nm)": (run, k) => (run.followed ? "" : run.curves.residual[k]), // a prediction has none
   evaluations: (run, k) => (run.followed ? "" : run.curves.evaluations[k]),
   slip: (run, k) => (run.curves.slip[k] > 0 ? "True" : "False"),
+}
+// Columns of the table on screen: heading, and the text of an increment
+const CELLS = {
+  "Uₓ (nm)": ({ U_x }) => fixed(U_x, 2), "δ (nm)": ({ delta }) => fixed(delta, 2),
+  "friction F (N/m)": ({ F }) => digits(F, 4), "load L (N/m)": ({ L }) => digits(L, 4),
+  "contact area A (nm)": ({ A }) => digits(A, 4), slip: ({ slip }) => (slip ? "slip" : ""),
 }
 let connected = false
 
@@ -69,11 +76,20 @@ export function download(blob, ending) {
 // Of single precision
 const shown = (value) => (typeof value === "number" ? `${Number(value.toPrecision(7))}` : value)
 
+const afterApproach = (run) => run.curves.stage.map((_, k) => k).filter((k) => k >= run.sheared)
+
 // A comment with the scene, then a row per increment after the approach
 export function csv(run) {
-  const after = run.curves.stage.map((_, k) => k).filter((k) => k >= run.sheared)
-  const rows = after.map((k) => Object.values(COLUMNS).map((value) => shown(value(run, k))).join(","))
+  const rows = afterApproach(run).map((k) => Object.values(COLUMNS).map((value) => shown(value(run, k))).join(","))
   return [`# ${parameters()}`, Object.keys(COLUMNS).join(","), ...rows, ""].join("\n")
+}
+
+function showTable() {
+  const head = make("tr", {}, ...Object.keys(CELLS).map((text) => make("th", { scope: "col" }, text)))
+  const rows = afterApproach(me.run).map((k) => makeRow(Object.values(CELLS).map((cell) => cell(me.run.values(k)))))
+  const table = make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows))
+  by("table").querySelector(".rows").replaceChildren(table)
+  by("table").showModal()
 }
 
 const say = (text) => { by("share-status").textContent = text }
@@ -110,6 +126,7 @@ function connect() {
   on("copy-frame", "click", () => copy(by("share-frame"), "HTML"))
   on("copy-python", "click", () => copy(by("share-python"), "Python lines"))
   on("save-png", "click", async () => download(await png(view.value), `-${view.value}.png`))
+  on("show-table", "click", showTable)
   on("save-csv", "click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
   on("enlarge-qr", "click", () => by("qr").showModal())
   for (const button of document.querySelectorAll("[data-file]")) {
@@ -123,7 +140,7 @@ function connect() {
 
 export function open() {
   if (!connected) connect()
-  const link = linkTo(new URLSearchParams(location.search).getAll("pin").map((text) => ["pin", text]))
+  const link = linkTo()
   by("share-link").value = link
   by("share-frame").value = frameOf(link)
   by("share-view").replaceChildren(...views().map(([name, title]) => new Option(title, name)))

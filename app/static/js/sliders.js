@@ -1,7 +1,7 @@
 // The controls as they show the parameters: sliders with their marks, entries and their errors.
 
 import { by, closest, make, makeButton, say } from "./dom.js"
-import { digits, minus, spoken } from "./quantities.js"
+import { digits, minus } from "./quantities.js"
 import { declared, me } from "./store.js"
 
 // A slider at the position nearest to a value
@@ -11,7 +11,7 @@ export function place(name, value) {
   slider.dataset.meaning ??= slider.title
   const beyond = value < values[0] || value > values.at(-1)
   slider.title = beyond ? `${minus(value)} lies beyond this slider` : slider.dataset.meaning
-  slider.setAttribute("aria-valuetext", spoken(name, value))
+  slider.setAttribute("aria-valuetext", minus(value))
 }
 
 // The depth itself, beside its part of delta_0, unless that was refused

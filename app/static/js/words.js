@@ -35,7 +35,7 @@ export function summary(run, k, sentence) {
 // The increment on screen in numbers: above the player with *More*, and for those who hear the page
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
-  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}: ${spoken("U_x", v.U_x)}`)
+  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}`)
   if (!me.playing && !me.dragging) tell(by("now"), summary(run, k, by("sentence").textContent))
   if (!isShown(by("readout"))) return
   const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
