@@ -8,9 +8,8 @@ from tabs import imported
 
 
 def drawn(page, view, part):
-    """How many points of a curve are in the Bokeh figure."""
-    models = "[...Bokeh.documents[0]._all_models.values()]"
-    return page.evaluate(f"{models}.find((model) => model.name === '{view}.{part}').data_source.data.value.length")
+    """How many points of a curve are in the chart."""
+    return page.evaluate(f"charts.{view}.parts.{part}.x.length")
 
 
 def sliders(page):
@@ -80,8 +79,7 @@ def test_fast_slider_steps_skip_runs_and_end_at_the_last_position(look):
 
 
 CURSOR = """() => {
-    const { visible, location } = modules.figures.parts.forces.cursor
-    return visible && location === punch.run.curves.U_x[punch.drawn]
+    return charts.forces.parts.cursor.at === punch.run.curves.U_x[punch.drawn]
 }"""
 
 
@@ -89,7 +87,7 @@ def test_playback_can_be_paused_and_stepped(visit):
     page = visit(**PLAYING)
     finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 3")  # it plays by itself
-    imported(page, "figures").wait_for_function(CURSOR)
+    page.wait_for_function(CURSOR)
     page.get_by_role("button", name="Pause").click()
     page.wait_for_function("document.getElementById('status').textContent.includes('paused')")
     page.wait_for_function(CURSOR)

@@ -1,25 +1,21 @@
 """Dragging a slider in Chromium: predictions during the drag, fixed axes, then the exact run."""
 
 import pytest
-from served import MODEL, PATIENCE, finished, paused_at, values_are
+from served import PATIENCE, finished, paused_at, values_are
 from tabs import imported
 
 pytestmark = [pytest.mark.thorough]
 AXES = """Object.fromEntries(["forces", "area", "map", "punch"].map((name) => {
-    const { x_range, y_range } = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === name)
-    return [name, [x_range.start, x_range.end, y_range.start, y_range.end]]
+    const { x, y } = charts[name]
+    return [name, [x.start, x.end, y.start, y.end]]
 }))"""
 COLOURS = "[document.getElementById('map-low').textContent, document.getElementById('map-high').textContent]"
 WORD = "document.querySelector('#status b').textContent"
-DRAWN = """() => {  // the curves as Bokeh has them, and as the run on screen has them
-    const { figures: { parts }, bokeh: { drawnBy } } = modules
-    const F = drawnBy(parts.forces.F), A = drawnBy(parts.area.A)
+DRAWN = """() => {  // the curves of the charts, and of the run on screen
+    const { forces: { parts: { F } }, area: { parts: { A } } } = charts
     return [[[...F.y], [...A.y]], [[...punch.run.shear("F")], [...punch.run.shear("A")]]]
 }"""
-DRAWN_F = "() => (({ U_x, value }) => [[...U_x], [...value]])(" + MODEL.format("forces.F") + ".data_source.data)"
-GLYPHS = """() => {
-    return Object.values(modules.figures.parts.punch).filter(({ glyph, visible }) => glyph && visible).length
-}"""
+DRAWN_F = "() => [[...charts.forces.parts.F.x], [...charts.forces.parts.F.y]]"
 WATCH = """() => {  // what is on screen with every run that is painted whole
     window.seen = []
     let last = punch.run
@@ -56,7 +52,7 @@ def paused(look, query):
     page = look(query)
     finished(page)
     paused_at(page, 300)
-    return imported(page, "figures", "bokeh")
+    return page
 
 
 def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_stay(look):
@@ -72,8 +68,6 @@ def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_sta
     page.wait_for_function("!punch.fresh && punch.mapped")
     drawn, followed = page.evaluate(DRAWN)
     assert drawn == followed
-    known = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.has(k))")
-    assert 1 <= sum(known) <= 2 < len(known)  # a predicted run has the fields of two increments
     imported(page, "share")
     heading, row = page.evaluate("modules.share.csv(punch.run)").splitlines()[1:3]
     saved = dict(zip(heading.split(","), row.split(","), strict=True))
@@ -100,20 +94,42 @@ def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_sta
     assert page.evaluate("punch.status.notes").count("off") == 0 and "delta_bar=0.13" in page.url
 
 
-def test_a_predicted_picture_shows_its_own_increment_wherever_one_scrubs_or_points(look):
-    """It has the fields of one increment; at any other the punch belonged to that one, and its numbers did not."""
+def test_a_predicted_run_shows_any_increment_where_one_scrubs_or_points_and_plays_at_once(look):
     page = paused(look, "?E=70.4")
     page.evaluate("punch.rests = 1e6")
     point = grab(page, "delta_bar")
     page.mouse.move(*point(2))
     page.wait_for_function("punch.run.followed && !punch.fresh && punch.picture.run === punch.run")
-    own = page.evaluate("punch.run.shown")
-    for change in (f"{{ at: {own + 20} }}", f"{{ at: {own}, preview: {own + 30} }}"):
-        page.evaluate(f"Object.assign(punch, {change}, {{ look: punch.look + 1 }})")
+    own = page.evaluate("punch.drawn")
+    gaps = []
+    for change, k in ((f"{{ at: {own + 20} }}", own + 20), (f"{{ at: {own}, preview: {own + 30} }}", own + 30)):
+        page.evaluate(f"Object.assign(punch, {change})")
         page.wait_for_function("!punch.fresh")
-        assert page.evaluate("[punch.picture.k, punch.drawn, Number(scrub.value)]") == [own] * 3
+        assert page.evaluate("[punch.picture.k, punch.drawn, Number(scrub.value)]") == [k] * 3
+        gaps.append(page.evaluate("[...charts.punch.parts.surface.y]"))
+        assert gaps[-1] == page.evaluate(f"[...punch.run.frame({k}).gap]")
+    assert gaps[0] != gaps[1]
     page.evaluate("punch.preview = null")
+    page.evaluate("document.getElementById('play').click()")
     page.mouse.up()
+    page.wait_for_function(f"punch.run.followed && !punch.run.few && punch.drawn > 0 && punch.playing && {own} > 0")
+    at = page.evaluate("punch.at")
+    page.wait_for_function(f"punch.at > {at}")
+
+
+def test_slow_motion_of_a_predicted_run_is_that_of_its_exact_run_which_comes_at_once(look):
+    page = paused(look, "?E=70.6")
+    point = grab(page, "delta_bar")
+    page.mouse.move(*point(2))
+    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar === 0.02")
+    page.mouse.up()
+    page.wait_for_function("!punch.run.few")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("End")
+    page.keyboard.press("m")
+    page.wait_for_function("punch.film", timeout=PATIENCE)
+    assert not page.evaluate("Boolean(punch.run.followed)")
+    page.keyboard.press("m")
 
 
 def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look):
@@ -131,12 +147,12 @@ def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look
     values_are(page, delta_bar=0.02)
 
 
-def test_choosing_a_flat_while_paused_removes_the_nodes_drawn_by_bokeh(look):
+def test_choosing_a_flat_while_paused_removes_the_nodes_of_the_punch(look):
     page = paused(look, "?E=71.4")
-    assert page.evaluate(GLYPHS) > 0
+    assert page.evaluate("charts.punch.shown")
     page.locator("#row input[value='fig4a-blue']").evaluate("(radio) => radio.click()")
     page.wait_for_function("punch.run.head.flat && punch.run.whole && !punch.fresh", timeout=PATIENCE)
-    assert page.evaluate(GLYPHS) == 0  # Bokeh draws none: they are drawn enlarged on the canvas over it
+    assert not page.evaluate("charts.punch.shown")  # nodes are drawn enlarged on the canvas over it
 
 
 def test_force_arrows_keep_their_scale_while_the_stiffness_is_dragged(look):

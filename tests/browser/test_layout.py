@@ -1,7 +1,7 @@
 """The layout at every screen size: no clipped text, no overlap, and plots that are high enough."""
 
 import pytest
-from served import FAULTS, MODEL, faults_at, finished, from_menu, laid_out
+from served import FAULTS, faults_at, finished, from_menu, laid_out
 
 pytestmark = [pytest.mark.thorough]
 
@@ -105,20 +105,6 @@ def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
 
 
 @pytest.mark.thorough
-def test_no_figure_waits_for_a_finger_that_has_dragged_the_punch(visit):
-    """Bokeh took the next finger for a second one, and raised an error when it rested."""
-    page = visit("?more=0", viewport={"width": 390, "height": 844}, has_touch=True)
-    finished(page)
-    finger, punch = page.context.new_cdp_session(page), page.locator("#punch-view").bounding_box()
-    for kind, aside in (("touchStart", 0), ("touchMove", 10), ("touchMove", 60), ("touchEnd", None)):
-        points = [] if aside is None else [{"x": 120 + aside, "y": punch["y"] + 100}]
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    page.wait_for_function("punch.drawn > punch.run.sheared && !punch.following")
-    view = f"Bokeh.index.find_one({MODEL.format('punch')}).canvas_view"
-    assert page.evaluate(f"{view}.ui_event_bus.ui_gestures.pointers.size") == 0
-
-
-@pytest.mark.thorough
 def test_an_error_message_leaves_slider_widths_unchanged(look):
     page = look()
     finished(page)
@@ -143,7 +129,7 @@ def test_punch_fills_its_share_of_every_screen_beside_a_visible_curve(look):
         laid_out(page)
         hero, curve = (page.locator(what).bounding_box() for what in (".hero", ".view[data-view=forces]"))
         assert hero["width"] * hero["height"] >= SHARES.get((width, height), 0.4) * width * height, (width, height)
-        assert page.evaluate(f"{MODEL.format('forces')}.inner_height") >= PLOTS.get((width, height), 0)
+        assert page.evaluate("charts.forces.box.height") >= PLOTS.get((width, height), 0)
         player = page.locator(".player").bounding_box()["y"]
         assert max(box["y"] + box["height"] for box in (hero, curve)) <= player, (width, height)
 

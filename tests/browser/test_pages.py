@@ -289,9 +289,7 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     assert "past the peak" in page.inner_text("#law")
     style = "getComputedStyle(document.querySelector('.key .{}')).backgroundColor"
     assert page.evaluate(style.format("stick")) != page.evaluate(style.format("repulsive"))
-    assert int(page.inner_text("#law-open")) == page.evaluate(
-        f"{MODEL.format('punch.free')}.data_source.data.gap.length"
-    )
+    assert int(page.inner_text("#law-open")) == page.evaluate("charts.punch.parts.free.x.length")
     image = f"{MODEL.format('law_shear_map.map')}.data_source.data.image[0]"
     right = page.evaluate(f"[...{image}].filter((_, i) => i % 160 === 159)")
     assert min(right) > 0.0  # up to half a spacing ahead of a site the law pulls back
@@ -303,7 +301,10 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     page = look(f"?page=regimes&{TINY}")
     page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
     before = page.evaluate("(({ delta_bar, phi_ratio }) => [delta_bar, phi_ratio])(punch.status.values)")
-    frame = imported(page, "figures", "bokeh").evaluate("modules.bokeh.frameBox(modules.figures.figures.regimes_map)")
+    frame = imported(page, "figures").evaluate(
+        "(({ left, top, width, height }) => ({ left, top, width, height }))("
+        "Bokeh.index.find_one(modules.figures.figures.regimes_map).frame.bbox)"
+    )
     box = page.locator("#regimes .view").bounding_box()
     x, y = box["x"] + frame["left"] + 0.7 * frame["width"], box["y"] + frame["top"] + 0.3 * frame["height"]
     page.mouse.move(x, y)

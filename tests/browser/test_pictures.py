@@ -9,7 +9,7 @@ from tabs import imported
 
 # Looks at the page before each picture of the screen, where everything is drawn: `pictures` counts, `wrong` lists
 WATCH = """() => {
-    const { sentence: { nowSentence, phaseSentence }, figures: { parts }, bokeh: { drawnBy } } = modules
+    const { sentence: { nowSentence, phaseSentence } } = modules
     const by = (id) => document.getElementById(id), { dataset } = document.querySelector(".page")
     const HOLD = 2600 // ms for which a sentence may stay while pictures follow each other, until the next picture
     const EVENT = /^(slip|in|off|part) / // keys of sentences that take the place of others at once
@@ -38,8 +38,8 @@ WATCH = """() => {
             if (!other.length || dataset[flag] === "true" || (dragging && of.followed)) continue
             tell(`${what}: ${other.map((name) => [name, of.scene[name], "entered", by(`${name}-entry`).value])}`)
         }
-        const { x, y } = drawnBy(parts.punch.surface) ?? {}, { gap } = run.frame(k)
-        if (x && (y.length !== gap.length || [0, 0.25, 0.5, 1].some((part) => {
+        const { x, y } = charts.punch.parts.surface, { gap } = run.frame(k)
+        if (x.length && (y.length !== gap.length || [0, 0.25, 0.5, 1].some((part) => {
             const i = Math.round(part * (gap.length - 1))
             return y[i] !== gap[i]
         }))) tell("the surface is that of another increment")
@@ -116,7 +116,7 @@ def show(page, dice):
 def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_marked(visit, most):
     page = visit("?more=1", **PLAYING)
     finished(page)
-    imported(page, "sentence", "figures", "bokeh", "tour").evaluate(WATCH)
+    imported(page, "sentence", "tour").evaluate(WATCH)
     dice = random.Random(most)
     actions = [drag, drag, write, press, press, choose, tour]
     while page.evaluate("pictures") < most:

@@ -1,7 +1,7 @@
 """Pinned runs in Chromium."""
 
 import pytest
-from served import MODEL, finished, from_menu
+from served import finished, from_menu
 
 from solver import Scene, load_path
 
@@ -10,7 +10,7 @@ pytestmark = [pytest.mark.thorough]
 
 def lines(page, view):
     """How many lines of pinned runs a figure has."""
-    return page.evaluate(f"{MODEL.format(f'{view}.pins')}.data_source.data.xs.length")
+    return page.evaluate(f"charts.{view}.parts.pins.list.length")
 
 
 @pytest.mark.thorough
@@ -32,21 +32,16 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     assert [lines(page, view) for view in ("forces", "area", "map", "punch")] == [2, 1, 2, 1]
     assert page.locator(".page").get_attribute("data-ghost") == "false"  # nothing pale over it
     # the force of the pinned run in N/m, whatever the stiffness of the run on screen
-    pinned = page.evaluate(f"{MODEL.format('forces.pins')}.data_source.data.ys[0][50]")
+    pinned = page.evaluate("charts.forces.parts.pins.list[0].y[50]")
     first = next(frame for frame in load_path(Scene()) if frame.stage == "shear" and frame.index == 50)
     assert pinned == pytest.approx(first.F_bar * 70 * 2500, rel=1e-4)  # N/m
-    style = page.evaluate(
-        f"(({{ colour, dash }}) => [colour[0], dash[0]])({MODEL.format('forces.pins')}.data_source.data)"
-    )
-    assert style == page.evaluate(
-        "['--pin-1', '--pin-1-dash'].map((name) => getComputedStyle(document.documentElement).getPropertyValue(name))"
-    )
+    assert page.evaluate("charts.forces.parts.pins.list[0].ink") == "--pin-1"
     name.press("Enter")
-    page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
+    page.wait_for_function("() => charts.forces.parts.pins.list.length === 0")
     assert name.get_attribute("aria-pressed") == "false"
     name.press("Space")
     chip.get_by_role("button", name="Remove Stick, peel, slip").press("Enter")
-    page.wait_for_function(f"() => {MODEL.format('forces.pins')}.data_source.data.xs.length === 0")
+    page.wait_for_function("() => charts.forces.parts.pins.list.length === 0")
     assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "menu"
 
 

@@ -4,23 +4,28 @@ import pytest
 from served import finished, from_menu
 
 pytestmark = [pytest.mark.thorough]
-MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
-WIDTH = f"(({{ line_width: w }}) => w.value ?? w)({MODEL.format('forces.F')}.glyph)"
-FONT = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0]"
-FONT += ".major_label_text_font_size"
+PAINTED = """() => {  // the largest width of a line of the forces, and the font of their axes
+    const pen = charts.forces.canvas.getContext("2d"), { stroke } = pen, widths = []
+    pen.stroke = () => { widths.push(pen.lineWidth); stroke.call(pen) }
+    charts.forces.changed = true
+    charts.forces.paint()
+    delete pen.stroke
+    return [Math.max(...widths), pen.font.split(" ")[0]]
+}"""
 
 
 def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look):
     page = look()
     finished(page)
-    thin = page.evaluate(WIDTH)
+    thin, _ = page.evaluate(PAINTED)
     page.locator("body").press("p")
     assert "view=projector" in page.url
-    assert page.evaluate(FONT) == "19px" and page.evaluate(WIDTH) >= 2 * thin
+    thick, font = page.evaluate(PAINTED)
+    assert font == "19px" and thick >= 2 * thin
     assert page.locator("main figure:visible").count() == 2  # the punch and one curve
     from_menu(page, "#projector")
     assert "view=projector" not in page.url and "more=1" in page.url
-    assert page.evaluate(FONT) == "13px" and page.evaluate(WIDTH) == thin
+    assert page.evaluate(PAINTED) == [thin, "13px"]
     assert page.locator("main figure:visible").count() > 2  # with more in sight, as before
 
 

@@ -35,8 +35,8 @@ PLAYS = """() => new Promise((then) => {
     look()
 })"""
 RANGES = """['punch', 'forces', 'area', 'map'].flatMap((name) => {
-    const { x_range, y_range } = Bokeh.documents[0].get_model_by_name(name)
-    return [x_range.start, x_range.end, y_range.start, y_range.end]
+    const { x, y } = charts[name]
+    return [x.start, x.end, y.start, y.end]
 })"""
 ALIKE = ("stage", "U_x", "delta", "F_bar", "L_bar", "A_bar", "slip", "slip_at", "slip_F", "slip_A", "work")
 

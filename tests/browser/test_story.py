@@ -3,18 +3,16 @@
 import re
 
 import pytest
-from served import MODEL, finished, laid_out
+from served import finished, laid_out
 
 pytestmark = [pytest.mark.thorough]
 
 
-LEAN = f"""() => {{
-    const punch = {MODEL.format("punch")}, {{ run, drawn: k }} = window.punch, {{ x }} = run.frame(k)
-    const {{ first, spacing, middle }} = run.headOf(k), i = x.length >> 1, from = (first + i) * spacing - middle
-    const {{ data }} = punch.renderers.find(({{ name }}) => name === 'punch.surface').data_source
-    const drawn = (data.get?.('x') ?? data.x)[i]
-    return Math.round((drawn - from) / (x[i] - from) * 100) / 100
-}}"""
+LEAN = """() => {
+    const { run, drawn: k } = punch, { x } = run.frame(k)
+    const { first, spacing, middle } = run.headOf(k), i = x.length >> 1, from = (first + i) * spacing - middle
+    return Math.round((charts.punch.parts.surface.x[i] - from) / (x[i] - from) * 100) / 100
+}"""
 OWN = "?preset=fig6&theme=light"  # of the two tests that leave the page changed
 
 
@@ -47,7 +45,7 @@ def test_the_picture_states_once_and_in_words_how_much_it_enlarges_lean_height_a
     page = look()
     finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1")
-    assert page.evaluate(LEAN) == 3 and "×" not in page.evaluate(f"{MODEL.format('punch')}.left[0].axis_label")
+    assert page.evaluate(LEAN) == 3 and "×" not in page.evaluate("charts.punch.up")
     page.locator("#solver-figures").click()
     page.locator("#scales", has_text="displacements sideways 3 times as large").wait_for()
     said = page.inner_text("#scales")
@@ -157,7 +155,7 @@ def test_key_m_shows_the_previous_slip_in_slow_motion_until_another_key(look):
 def test_slow_motion_can_be_scrubbed_and_resumed(look):
     page = look("?preset=fig6")
     at_first_slip(page)
-    ends = f"(({{ start, end }}) => [start, end])({MODEL.format('forces')}.y_range)"
+    ends = "[charts.forces.y.start, charts.forces.y.end]"
     before = page.evaluate(ends)
     page.keyboard.press("m")
     scrub = page.locator("#scrub")

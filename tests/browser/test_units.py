@@ -6,28 +6,27 @@ import pytest
 from served import finished
 
 pytestmark = [pytest.mark.thorough]
-MODELS = "[...Bokeh.documents[0]._all_models.values()]"
 
 
 def drawn(page, part):
     """The values of a curve as they are drawn."""
-    return page.evaluate(f"[...{MODELS}.find((model) => model.name === '{part}').data_source.data.value]")
+    return page.evaluate(f"[...charts.forces.parts.{part}.y]")
 
 
 def axis(page):
-    return page.evaluate(f"{MODELS}.find((model) => model.name === 'forces').left[0].axis_label")
+    return page.evaluate("charts.forces.up")
 
 
 def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(look):
     page = look("?E=20&du_x=0.5")
     finished(page)
-    soft = max(drawn(page, "forces.F"))
+    soft = max(drawn(page, "F"))
     assert soft == pytest.approx(20 * 2500 * max(page.evaluate("punch.run.curves.F_bar")), rel=1e-6)
     page.fill("#E-entry", "700")
     page.keyboard.press("Enter")
     finished(page, run=2)
-    assert max(drawn(page, "forces.ghost_F")) == pytest.approx(soft, rel=1e-6)
-    assert max(drawn(page, "forces.F")) > 2 * soft  # over wE it would fall to less than a tenth
+    assert max(drawn(page, "ghost_F")) == pytest.approx(soft, rel=1e-6)
+    assert max(drawn(page, "F")) > 2 * soft  # over wE it would fall to less than a tenth
     assert axis(page) == "F, L (N/m)"
 
 
@@ -42,11 +41,8 @@ def test_an_older_link_to_normalised_forces_opens_with_forces_in_newtons_per_met
 @pytest.mark.thorough
 def test_area_axis_states_a_nonzero_start_and_stacked_plots_align(look):
     page = look()
-    start = page.evaluate(f"{MODELS}.find((model) => model.name === 'area').y_range.start")
+    start = page.evaluate("charts.area.y.start")
     assert start > 0
     assert re.search(r"axis begins at \d+ nm", page.inner_text("#area-from"))
-    lefts = [
-        page.evaluate(f"{MODELS}.find((model) => model.name === '{name}').inner_width")
-        for name in ("forces", "area", "map")
-    ]
+    lefts = [page.evaluate(f"charts.{name}.box.width") for name in ("forces", "area", "map")]
     assert lefts[0] == lefts[1] == lefts[2] > 0

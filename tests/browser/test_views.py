@@ -3,17 +3,18 @@
 import re
 
 import pytest
-from served import MODEL, finished, paused_at
+from served import finished, paused_at
+from tabs import imported
 
 pytestmark = [pytest.mark.thorough]
-FIGURE = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}' && model.below)"
 
 
 def test_contact_map_colours_change_at_zero_for_any_limits(look):
     page = look("?E=3000&delta_bar=1&theme=light")  # repels 80 times as strongly as it attracts
-    mapper = MODEL.format("map.map") + ".glyph.color_mapper"
-    page.wait_for_function(f"() => {mapper}.high > 30")
-    low, high, palette = page.evaluate(f"(({{ low, high, palette }}) => [low, high, palette])({mapper})")
+    page.wait_for_function("() => charts.map.parts.map.limits?.[1] > 30")
+    low, high, palette = imported(page, "colours").evaluate(
+        "(({ low, high, palette }) => [low, high, palette])(modules.colours.shades(...charts.map.parts.map.limits))"
+    )
     step = (high - low) / len(palette)
     assert -0.9 < low < -0.7 and step < 0.1
     zero = -low / step
@@ -30,7 +31,7 @@ def test_contact_map_colours_change_at_zero_for_any_limits(look):
 @pytest.mark.thorough
 def test_a_deeply_pressed_punch_stays_in_a_fixed_view(look):
     page = look("?E=3000&delta_bar=1&theme=light")
-    start = f"{FIGURE.format('punch')}.y_range.start"
+    start = "charts.punch.y.start"
     lowest = page.evaluate("punch.run.lowest")
     low = page.evaluate(start)
     assert low < lowest < -2.0
@@ -44,8 +45,8 @@ def test_weakly_attracted_nodes_are_free_but_not_those_at_a_sign_change(look):
     page = look()
     paused_at(page, 110)
     states = ("free", "adhering", "repulsive", "contact")
-    drawn = {s: page.evaluate(f"[...{MODEL.format(f'punch.{s}')}.data_source.data.gap]") for s in states}
-    tractions = page.evaluate(f"[...{MODEL.format('punch.free')}.data_source.data.T_n]")
+    drawn = {s: page.evaluate(f"[...charts.punch.parts.{s}.y]") for s in states}
+    tractions = page.evaluate("((at) => [...at.T_n].filter((_, i) => at.state(i) === 'free'))(punch.run.frame(110))")
     peak = page.evaluate("punch.run.head.adhesion")
     assert min(drawn["free"]) > 4.0 and min(tractions) > -0.05 * peak and not drawn["contact"]
     assert max(drawn["repulsive"]) < min(drawn["adhering"]) < 0.1
@@ -55,12 +56,12 @@ def test_weakly_attracted_nodes_are_free_but_not_those_at_a_sign_change(look):
 def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
     page = look("?preset=fig4a-blue")
     finished(page)
-    half = page.evaluate(f"{FIGURE.format('punch')}.x_range.end")
+    half = page.evaluate("charts.punch.x.end")
     for frame in (150, 400):
         paused_at(page, frame)
-        x = page.evaluate(f"[...{MODEL.format('punch.contact')}.data_source.data.x]")
+        x = page.evaluate("[...charts.punch.parts.contact.x]")
         assert min(x) <= -half and max(x) >= half
-    assert page.evaluate(f"{MODEL.format('punch.contact')}.data_source.data.x.length") == len(x)
+    assert page.evaluate("charts.punch.parts.contact.x.length") == len(x)
     page.set_viewport_size({"width": 1600, "height": 1100})  # there is room for the key
     page.locator("figure >> nth=0").get_by_text("in contact").wait_for()
     assert "in contact" in page.inner_text("figure >> nth=0") and "adhering" not in page.inner_text("figure >> nth=0")
@@ -71,17 +72,6 @@ def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
     finished(page, run=2)
     page.locator("figure[aria-label^='Contact map'] .view").wait_for(state="visible")
     assert not page.locator("figure[aria-label^='Contact area'] .note").is_visible()
-
-
-@pytest.mark.thorough
-def test_tooltips_have_the_colours_of_the_theme(look):
-    page = look("?theme=dark")
-    finished(page)
-    box = page.locator("figure[aria-label^='Friction'] .view").bounding_box()
-    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
-    page.locator(".bk-Tooltip >> nth=0").wait_for(state="visible")
-    card = page.evaluate("getComputedStyle(document.getElementById('preset')).backgroundColor")
-    assert page.evaluate("getComputedStyle(document.querySelector('.bk-Tooltip')).backgroundColor") == card
 
 
 @pytest.mark.thorough
@@ -102,12 +92,12 @@ def test_exaggeration_factors_and_zeros_are_plain_numbers(look):
 def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
     page = look("?preset=unload")
     finished(page)
-    jumps = page.evaluate(f"[...{MODEL.format('forces.slips_F')}.data_source.data.value]")
+    jumps = page.evaluate("[...charts.forces.parts.slips.y]")
     assert jumps and max(jumps) < -0.05  # 10^-3, tensile; the friction is zero
     assert "jump" in page.inner_text("figure[aria-label^='Friction']")
     page.select_option("#preset", "fig6")
     finished(page, run=2)
-    assert min(page.evaluate(f"[...{MODEL.format('forces.slips_F')}.data_source.data.value]")) > 0.5
+    assert min(page.evaluate("[...charts.forces.parts.slips.y]")) > 0.5
     assert "jump" not in page.inner_text("main")
 
 
@@ -115,7 +105,7 @@ def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
 def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(look):
     page = look("?preset=loop")
     finished(page)
-    slips = f"{MODEL.format('map.slips_map')}.data_source.data.U_x.length"
+    slips = "charts.map.parts.slips.x.length"
     for stage in ("shear", "back", "forth"):
         paused_at(page, page.evaluate(f"punch.run.curves.stage.lastIndexOf(punch.run.head.stages.indexOf('{stage}'))"))
         own = page.evaluate(

@@ -13,12 +13,16 @@ import argparse
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
+
+from pandas import DataFrame
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "shared"))  # of helpers
 
 from atlas import CENTRE, cases
 from closed_forms import closed_forms
 from conditioning import conditioning
-from pandas import DataFrame
 from verdicts import BAD, GOOD, LIMIT, atlas
 
 FRAMES = "unstable", "cautioned", "spectra"  # numbers of `verdicts.stable`

@@ -143,8 +143,8 @@ export function drawMap(run, shown) {
   if (run.sheared < 0 || !chartShown("map")) return
   const { image: values, rows, columns, start, low, step, unrested } = run.map(shown), chart = charts.map
   limitShades(run)
-  const picture = pictureOf(values, [rows, columns], [-ends[0], ends[1]])
-  chart.fill("map", { picture, values, rows, columns,
+  const limits = [-ends[0], ends[1]], picture = pictureOf(values, [rows, columns], limits)
+  chart.fill("map", { picture, limits, values, rows, columns,
     x: start - step / 2, y: low, wide: columns * step, high: rows * run.head.spacing })
   chart.fill("unrested", { list: unrested })
   by("unrested").hidden = !unrested.length

@@ -64,10 +64,12 @@ function tellNotes() {
 
 const SAID = 4 // parameters at most
 
-// {parameter: value} as the controls have it: as the server sent them, with what was asked for since
+// {parameter: value} as the controls have it: as the server sent them, or as of the prediction that is newer; with what
+// was asked for since
 function asked() {
   const changes = me.waiting.filter(({ what }) => what === "scene").map(({ values }) => values)
-  return Object.assign({}, me.status.values, ...changes, me.entered)
+  const newer = me.run?.followed && outdated(me.status) ? me.run.scene : {}
+  return Object.assign({}, me.status.values, newer, ...changes, me.entered)
 }
 
 // Names of the parameters in which a run is not what the controls say

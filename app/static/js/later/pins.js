@@ -39,7 +39,7 @@ const button = (text, label, onclick, more) => makeButton({ title: label, "aria-
 
 function swatch(slot) {
   const { ink, dash } = style(slot), stroke = { stroke: `var(${ink})`, "stroke-width": 3 }
-  return makeShape("svg", { class: "swatch", "aria-hidden": true }, 
+  return makeShape("svg", { class: "swatch", "aria-hidden": true },
     makeShape("path", { d: "M1 5 H33", ...stroke, "stroke-dasharray": DASHES[dash] ?? "" }))
 }
 
