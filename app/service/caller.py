@@ -10,7 +10,7 @@ from inspect import isgenerator
 from math import inf
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
-from threading import RLock, Thread
+from threading import Lock, RLock, Thread
 from time import monotonic
 from traceback import format_exc
 from typing import Any
@@ -20,6 +20,7 @@ ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMB
 # A plain fork copies the locks of threads in whatever state they are. The fork server has one thread, and has imported
 # what `multiprocessing.set_forkserver_preload` names, so a process starts at once. Other systems do not have it.
 START = "forkserver" if sys.platform == "linux" else "spawn"
+STOP = b""  # a message: end the generator that runs
 TRACEBACK = -6  # the innermost calls that a message shows: enough to find the cause
 starting = RLock()
 
@@ -41,6 +42,7 @@ class Caller:
     def __init__(self) -> None:
         context: Any = get_context(START)  # which kind it has depends on the system
         self._pipe, theirs = context.Pipe()
+        self._sending = Lock()  # `stop` is called by another thread
         self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with theirs, _prepared():  # their end is closed here, so that the pipe ends with the process
             self.process.start()
@@ -61,7 +63,7 @@ class Caller:
         if not self.alive():  # its pipe may still hold the rest of an answer
             raise self._crash()
         try:
-            with suppress(BrokenPipeError, ConnectionError):  # `_answer` reports it
+            with suppress(BrokenPipeError, ConnectionError), self._sending:  # `_answer` reports it
                 self._pipe.send((function, arguments))
         except Exception:  # function or arguments cannot be pickled
             raise Lost("error", format_exc(limit=TRACEBACK)) from None
@@ -99,6 +101,11 @@ class Caller:
     def _crash(self):
         return Lost("crash", f"the process ended with exit code {self.process.exitcode}")
 
+    def stop(self) -> None:
+        """End a call of a generator at its next item: its result is then None. Other calls go on."""
+        with suppress(OSError), self._sending:
+            self._pipe.send_bytes(STOP)
+
     def end(self) -> None:
         """Kill the process, whatever it does; a call in progress raises Lost."""
         self.process.kill()
@@ -134,6 +141,8 @@ def _serve(pipe):
             sent = pipe.recv_bytes()
         except EOFError:
             return
+        if sent == STOP:  # it came after the call had ended
+            continue
         try:
             answer = "result", _result(*pickle.loads(sent), pipe)
         except Exception:  # of the call, or its function cannot be imported
@@ -153,6 +162,10 @@ def _result(function, arguments, pipe):
             pipe.send(("news", next(result)))
         except StopIteration as end:
             result = end.value
+        else:
+            if pipe.poll() and pipe.recv_bytes() == STOP:
+                result.close()
+                return None
     return result
 
 

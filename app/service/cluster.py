@@ -96,6 +96,9 @@ class Place:
             busy = [address for address, keys in self.client.processing().items() if key in keys]
             self.client.restart_workers(busy, timeout=PATIENCE, raise_for_error=False)
 
+    def stop(self) -> None:
+        """Let a call go on: dask runs it to its end, or until the place is ended."""
+
     def end(self) -> None:
         """Abandon the place and its call."""
         self.ended.set()

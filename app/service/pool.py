@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 from multiprocessing import set_forkserver_preload
-from threading import Condition, Event, Thread
+from threading import Condition, Event, Thread, Timer
 from time import monotonic
 from typing import Any
 
@@ -35,6 +35,7 @@ OPEN = (
     "APP_SCHEDULER is a tcp:// address: whoever reaches this scheduler can run any code on it and its workers."
     " Use it in a trusted network only, or use tls://"
 )
+STOPS = 10.0  # s until a generator that is told to stop has come to its next item; then its process is killed
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 
@@ -128,7 +129,7 @@ class Pool:
     def abandon(self, task: Task, end: bool = False) -> None:
         """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once.
 
-        end: also end the worker that runs it, as the task takes long. Another worker takes its slot.
+        end: also stop it, as it takes long: at its next item, or after STOPS with its worker.
         """
         if task.cancel():
             with self._lock:
@@ -138,6 +139,16 @@ class Pool:
         with self._lock:
             caller = task.slot.caller if end and task.slot and task.slot.task is task else None
         if caller is not None:
+            caller.stop()
+            timer = Timer(STOPS, self._end, (task, caller))
+            timer.daemon = True
+            timer.start()
+
+    def _end(self, task, caller):
+        """End the worker of a task that did not stop."""
+        with self._lock:
+            runs = task.slot.task is task and task.slot.caller is caller
+        if runs:
             caller.end()
 
     def position(self, task: Task) -> int | None:

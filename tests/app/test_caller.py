@@ -28,6 +28,20 @@ def test_items_are_heard_and_the_value_of_the_generator_is_the_result(caller):
     assert caller.call(twice, 21) == 42
 
 
+def test_a_generator_stops_at_its_next_item_and_leaves_the_process_to_the_next_call(caller):
+    """A cancelled fit cost its worker, and the next one some seconds to start."""
+    heard = []
+
+    def hear(item):
+        heard.append(item)
+        caller.stop()
+
+    assert caller.call(news, 10**9, hear=hear) is None and len(heard) < 10**6
+    assert caller.call(twice, 21) == 42
+    caller.stop()  # too late: nothing runs
+    assert caller.call(twice, 4) == 8
+
+
 @pytest.mark.parametrize("failure", [ValueError, OSError, KeyboardInterrupt])
 def test_a_listener_that_fails_ends_the_process_so_that_no_later_call_gets_that_answer(caller, failure):
     def hear(item):

@@ -8,6 +8,7 @@ import pytest
 from visitor import SHORT, NoPool, whole_run
 
 from app.service import metrics, worker
+from app.service import pool as pools
 from app.service.cache import size_of
 from app.service.caller import Lost
 from app.service.jobs import MOST, Jobs
@@ -239,21 +240,27 @@ def test_items_of_a_generator_are_the_parts_of_its_job(jobs, tasks):
 
 
 @pytest.mark.slow
-def test_a_cancelled_generator_ends_with_its_process(pool):
+@pytest.mark.parametrize(("pause", "stops", "replaced"), [(0.02, 60.0, 0), (600.0, 0.5, 1)])
+def test_a_cancelled_generator_stops_at_its_next_item_and_costs_its_worker_only_if_none_comes(
+    pool, monkeypatch, pause, stops, replaced
+):
     from helpers import until
 
+    monkeypatch.setattr(pools, "STOPS", stops)
     jobs, heard = Jobs(pool), []
     lost = pool.replaced
-    job = jobs.start((endless,), heard.append, owner="me", streams=True, seconds=600.0)
+    job = jobs.start((endless, pause), heard.append, owner="me", streams=True, seconds=600.0)
     until(lambda: heard)
+    task = job.task
     jobs.leave(job, heard.append)
-    until(lambda: pool.replaced > lost and pool.ready == pool.size)
+    until(lambda: task.done() and pool.ready == pool.size)
+    assert pool.replaced == lost + replaced
 
 
-def endless():
-    """A generator that never ends."""
+def endless(pause):
+    """A generator that never ends, with so many s between its items."""
     from time import sleep
 
     while True:
         yield SimpleNamespace()
-        sleep(0.05)
+        sleep(pause)

@@ -78,6 +78,27 @@ def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     assert passed_on == [True, ["first", "chunk 0", "second", "chunk 1", "third"]]
 
 
+def test_a_message_that_is_never_unpacked_does_not_hold_back_those_after_it(tab):
+    passed_on = tab.evaluate(
+        """async () => {
+            const { setTimeout: later } = window, passedOn = []
+            window.setTimeout = (call, ms) => later(call, ms > 5000 ? 1 : ms) // the time is over at once
+            window.addEventListener("error", (event) => event.preventDefault(), { once: true })
+            const { connect, take } = await import("http://scripts/js/channel.js")
+            let send = null
+            connect({ document: { on_message: (kind, call) => { send = call } } })
+            take("status", ({ text }) => passedOn.push(text))
+            take("run", () => passedOn.push("run"), () => new Promise(() => {}))
+            send({ kind: "run" })
+            send({ kind: "status", text: "after" })
+            await new Promise((then) => later(then, 50))
+            window.setTimeout = later
+            return passedOn
+        }"""
+    )
+    assert passed_on == ["after"]
+
+
 @pytest.mark.parametrize("name", MODULES)
 def test_each_module_can_be_imported_without_a_page(tab, name):
     tab.evaluate(f"import('http://scripts/{name}').then((module) => Object.keys(module))")

@@ -5,6 +5,7 @@ import { by, on } from "./dom.js"
 import { me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
+const LATE = 20_000 // ms
 const LARGEST = 2e6 // bytes of a file, as the server
 let wire = null
 let orders = 0
@@ -16,9 +17,13 @@ export function connect(given) {
     const [call, unpack] = takers[message.kind] ?? []
     if (!call) return
     const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
-    before = Promise.allSettled([unpack ? unpack(message) : message, before]).then(pass).catch(reportError)
+    const unpacked = unpack ? Promise.race([unpack(message), late(message.kind)]) : message
+    before = Promise.allSettled([unpacked, before]).then(pass).catch(reportError)
   })
 }
+
+// Fails after a time: what is not unpacked by then holds back all later messages
+const late = (kind) => new Promise((_, fail) => setTimeout(() => fail(new Error(`${kind}: not unpacked`)), LATE))
 
 const takers = {} // {kind: [call, unpack]}
 let before = Promise.resolve() // done once all messages until now are passed on, also where these take long or fail

@@ -16,11 +16,20 @@ function sumsAt(r, a, window) {
   return [s0, s1]
 }
 
+const tables = new Map() // of these sums, by period and window: a slider changes neither
+function sumsOver(a, window) {
+  const key = `${a} ${window}`
+  if (!tables.has(key)) {
+    const sums = Array.from({ length: PLACES + 1 }, (_, k) => sumsAt((k / PLACES - 0.5) * a, a, window))
+    tables.set(key, [0, 1].map((i) => Float64Array.from(sums, (pair) => pair[i])))
+  }
+  return tables.get(key)
+}
+
 // law(u, gap, T_x, T_z) fills T_x and T_z, GPa, of nodes displaced by u at a gap, nm; given the numbers of
 // `law_constants`
 export function lawOf([normal, shear, delta_n, delta_t, a, window, opening]) {
-  const sums = Array.from({ length: PLACES + 1 }, (_, k) => sumsAt((k / PLACES - 0.5) * a, a, window))
-  const [S0, S1] = [0, 1].map((i) => Float64Array.from(sums, (pair) => pair[i]))
+  const [S0, S1] = sumsOver(a, window)
   return (u, gap, T_x, T_z) => {
     for (let i = 0; i < T_x.length; i++) {
       const dn = Math.min(Math.max(gap[i] / delta_n, DEEPEST), REMOTEST), e = Math.exp(-dn)

@@ -5,7 +5,7 @@ import { lawOf } from "./law.js"
 import { inflated } from "./packed.js"
 
 const STENCIL = 6 // states for interpolation
-const FEW = 250 // increments of a run while a slider is held, beside those at slips: three pixels apart
+const FEW = 160 // increments of a run while a slider is held, beside those at slips: a few pixels apart
 const SCALES = { gap: 1, u_x: 1, T_z: 1, T_x: 1 } // fields are in nm and GPa
 const OF_SLIP = ["slip_at", "slip_F", "slip_L", "slip_A"] // columns of its load and what was there just before
 
