@@ -16,11 +16,13 @@ def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look
     thin = page.evaluate(WIDTH)
     page.locator("body").press("p")
     assert "view=projector" in page.url
-    assert page.evaluate(FONT) == "19px" and page.evaluate(WIDTH) >= 2 * thin
+    page.wait_for_function(f"() => {FONT} === '19px'")
+    assert page.evaluate(WIDTH) >= 2 * thin
     assert page.locator("main figure:visible").count() == 2  # the punch and one curve
     from_menu(page, "#projector")
     assert "view=projector" not in page.url and "more=1" in page.url
-    assert page.evaluate(FONT) == "13px" and page.evaluate(WIDTH) == thin
+    page.wait_for_function(f"() => {FONT} === '13px'")
+    assert page.evaluate(WIDTH) == thin
     assert page.locator("main figure:visible").count() > 2  # with more in sight, as before
 
 
