@@ -59,7 +59,7 @@ def chart(curves: Sequence[Curve], x: str, y: str, beside: bool = False, **look:
     draw(plot, curves)
     if beside:
         plot.x_range.range_padding = 0.4  # share of the data's range, for text
-        text = {"text_baseline": "middle", "text_font_size": "9pt", "x_offset": 8, "text_color": "color"}
+        text = {"text_baseline": "middle", "text_font_size": "14px", "x_offset": 8, "text_color": "color"}
         plot.add_glyph(marks, Text(x="x", y="y", text="beside", **text))
     named = [part for part in parts if any(part.data_source.data["label"])]
     if named:

@@ -5,6 +5,7 @@
 A page is a module of PAGES with view(scene), a Viewable of Panel; base.py has what they share.
 """
 
+import json
 import logging
 from html import escape
 from importlib import import_module
@@ -16,7 +17,7 @@ from bokeh.models import CustomJS
 from panel.io.resources import LOCAL_DIST
 
 from app.limits import DEFAULT
-from app.session.controls import address_of, scene_from_address
+from app.session.controls import CONTROLS, Control, address_of, scene_from_address
 from app.session.orders import LARGEST
 from solver import Scene
 
@@ -24,9 +25,19 @@ log = logging.getLogger("app")
 PAGES = {"stick_slip": "Stick-slip", "area_laws": "Area laws", "fit": "Fit", "accuracy": "Accuracy"}
 BUG = "The page could not be opened. See the server's log, then reload the page."
 ICON = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg'/%3E"
-# Panel's sliders have no names for screen readers. This gives them that of the label before them.
+TEXT = "14px"  # Panel and Bokeh have 11 to 13 px
+
+
+def slider_name(control: Control) -> str:
+    """Return the label of a slider, with its unit."""
+    return f"{control.label} {control.symbol}" + f" ({control.unit})" * bool(control.unit)
+
+
+# Panel's sliders have no names for screen readers, and the text of their values is a position. This gives them the
+# label before them and the value at the position, again whenever Panel changes or renders one.
 # A message of 5 MB closes the connection, so a browser refuses a larger file than the page reads, before it sends it.
 MEND = f"""
+    const positions = {json.dumps({slider_name(control): control.positions for control in CONTROLS})}
     const bounded = (input) => {{
         const said = input.parentNode.appendChild(document.createElement("p"))
         input.setAttribute("aria-label", "Measured curve")
@@ -40,14 +51,31 @@ MEND = f"""
             input.value = ""
         }}, true)
     }}
-    let label = ""
+    const larger = new CSSStyleSheet()
+    const sized = "input, select, textarea, table"
+    larger.replaceSync(`:host {{ --font-size: {TEXT} }} ${{sized}} {{ font-size: {TEXT} !important }}`)
+    let label = "", due = 0
+    const mend = () => {{
+        cancelAnimationFrame(due)
+        due = requestAnimationFrame(() => visit(document))
+    }}
+    const seen = new WeakSet() // roots that are watched, and entries of files
+    const changes = {{ childList: true, subtree: true, attributes: true, attributeFilter: ["aria-valuetext"] }}
+    const first = (one) => !seen.has(one) && seen.add(one)
+    const write = (e, name, text) => {{ if (e.getAttribute(name) !== text) e.setAttribute(name, text) }}
     const visit = (root) => {{
+        if (first(root)) {{
+            new MutationObserver(mend).observe(root, changes)
+            root.adoptedStyleSheets.push(larger)
+        }}
         for (const e of root.querySelectorAll("*")) {{
             if (e.matches("label")) label = e.textContent
             const sign = e.matches(".bk-spin-btn-up") ? " +" : e.matches(".bk-spin-btn-down") ? " −" : ""
-            if (sign || e.matches(".noUi-handle")) e.setAttribute("aria-label", label + sign)
-            if (e.matches("progress")) e.setAttribute("aria-label", "Progress")
-            if (e.matches("input[type=file]")) bounded(e)
+            if (sign || e.matches(".noUi-handle")) write(e, "aria-label", label + sign)
+            const value = positions[label]?.[Number(e.getAttribute("aria-valuenow"))]
+            if (e.matches(".noUi-handle") && value !== undefined) write(e, "aria-valuetext", `${{value}}`)
+            if (e.matches("progress")) write(e, "aria-label", "Progress")
+            if (e.matches("input[type=file]") && first(e)) bounded(e)
             if (e.shadowRoot) visit(e.shadowRoot)
         }}
     }}

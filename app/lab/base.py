@@ -10,7 +10,7 @@ from typing import Any
 import panel as pn
 import param
 
-from app.lab import back
+from app.lab import TEXT, back, slider_name
 from app.on_loop import on_loop
 from app.service.caller import Lost
 from app.service.jobs import jobs
@@ -84,6 +84,10 @@ class LabPage(param.Parameterized):
     def chart(self, curves: Callable[[], Sequence[Curve]], x: str, y: str, **look: Any) -> pn.pane.Bokeh:
         """Return the chart of curves(), which follows the parameters of the page; look: as of `live_plots.chart`."""
         plot = chart(curves(), x, y, styles=WIDE, **look)
+        plot.axis.axis_label_text_font_size = plot.axis.major_label_text_font_size = TEXT
+        for legend in plot.legend:
+            legend.label_text_font_size = TEXT
+        plot.title.text_font_size = TEXT
         self._follow.append(lambda: draw(plot, curves()))
         return pn.pane.Bokeh(plot)
 
@@ -152,10 +156,10 @@ class LabPage(param.Parameterized):
 
     def _slider(self, control):
         limits, value = RANGES[control.name], getattr(self.scene, control.name)
-        name = f"{control.label} {control.symbol}" + f" ({control.unit})" * bool(control.unit)
         look = {"sizing_mode": "stretch_width"}
         step = 0.01 if control.high < 10 else 1.0
-        entry = pn.widgets.FloatInput(label=name, value=value, step=step, start=limits.low, end=limits.high, **look)
+        name, ends = slider_name(control), {"start": limits.low, "end": limits.high}
+        entry = pn.widgets.FloatInput(label=name, value=value, step=step, **ends, **look)
         slider = pn.widgets.IntSlider(end=len(control.positions) - 1, show_value=False, **look)
 
         def place(event=None):

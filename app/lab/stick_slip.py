@@ -11,6 +11,7 @@ import panel as pn
 import param
 from bokeh.models import LinearColorMapper
 
+from app.lab import TEXT
 from app.lab.base import LabPage, side_by_side
 from app.limits import INCREMENTS, increments_of
 from app.on_loop import on_loop
@@ -65,7 +66,8 @@ class StickSlip(LabPage):
         plot.axis.major_label_overrides = {k: f"{10.0**k:g}" for k in range(-2, 4)}
         look = {"color_mapper": LinearColorMapper("Cividis256", low=0.0, high=1.0), "level": "image"}
         image = plot.image([self.map()], x=left, y=low, dw=right - left, dh=high - low, **look)
-        plot.add_layout(image.construct_color_bar(title=MEAN), "right")
+        bar = image.construct_color_bar(title=MEAN, title_text_font_size=TEXT, major_label_text_font_size=TEXT)
+        plot.add_layout(bar, "right")
         plot.hover.update(renderers=[image], tooltips=[(MEAN, "@image")])
         # Bokeh takes plain functions only here
         plot.on_event("tap", lambda event: pn.state.execute(on_loop(self.go_to, event.x, event.y), schedule=True))

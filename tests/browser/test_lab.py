@@ -63,6 +63,64 @@ def test_a_slider_moves_its_entry_and_the_scene(visit):
     assert page.get_by_role("textbox", name="Stiffness").input_value() == "35"
 
 
+HANDLES = """() => {
+    const found = {}
+    const visit = (root) => {
+        for (const e of root.querySelectorAll("*")) {
+            if (e.matches(".noUi-handle")) found[e.getAttribute("aria-label")] = e.getAttribute("aria-valuetext")
+            if (e.shadowRoot) visit(e.shadowRoot)
+        }
+    }
+    visit(document)
+    return found
+}"""
+
+
+def test_names_and_values_of_sliders_follow_changes_and_come_back_when_one_is_rendered_again(visit):
+    page = visit(QUICK.replace("?", "?lab=accuracy&"))
+    are = f"(wanted) => JSON.stringify(({HANDLES})()) === JSON.stringify(wanted)"
+    nearest = min(next(control.positions for control in CONTROLS if control.name == "E"), key=lambda E: abs(E - 35))
+    shown = {"Press depth δ/δ₀": "0", "Friction / adhesion φₜ/φₙ": "1", "Stiffness E (GPa)": f"{nearest:g}"}
+    page.wait_for_function(are, arg=shown)
+    entry = page.get_by_role("textbox", name="Stiffness")
+    entry.fill("70")
+    entry.press("Enter")
+    page.wait_for_function(are, arg=shown | {"Stiffness E (GPa)": "70"})
+    page.get_by_role("slider", name="Press depth").press("ArrowRight")
+    page.wait_for_function(are, arg=shown | {"Stiffness E (GPa)": "70", "Press depth δ/δ₀": "0.01"})
+    page.evaluate(
+        """() => [...Bokeh.documents[0]._all_models.values()].filter(({ end, step }) => end > 100 && step === 1)
+            .forEach((slider) => Bokeh.index.find_one(slider).rerender())"""
+    )
+    page.wait_for_function(are, arg=shown | {"Stiffness E (GPa)": "70", "Press depth δ/δ₀": "0.01"})
+
+
+SMALL = """() => {
+    const found = []
+    const visit = (root) => {
+        for (const e of root.querySelectorAll("*")) {
+            const text = [...e.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim())
+            const shown = (text || e.matches("input")) && !e.matches("style, script") && e.checkVisibility()
+            if (shown && parseFloat(getComputedStyle(e).fontSize) < 14) found.push(e.textContent || e.type)
+            if (e.shadowRoot) visit(e.shadowRoot)
+        }
+    }
+    visit(document)
+    for (const model of Bokeh.documents[0]._all_models.values())
+        for (const name of ["axis_label", "major_label", "label"])
+            if (parseFloat(model[`${name}_text_font_size`]?.value ?? model[`${name}_text_font_size`]) < 14)
+                found.push(`${name} of ${model.type}`)
+    return found
+}"""
+
+
+@pytest.mark.parametrize("name", lab.PAGES)
+def test_no_text_of_a_page_is_smaller_than_14_pixels(visit, name):
+    page = visit(QUICK.replace("?", f"?lab={name}&"))
+    page.get_by_role("slider", name="Stiffness").wait_for()
+    page.wait_for_function(f"() => !({SMALL})().length")
+
+
 def test_a_file_larger_than_a_page_reads_is_refused_before_it_is_sent_and_the_connection_stays(visit):
     page = visit(QUICK.replace("?", "?lab=fit&"))
     entry = page.locator("input[type=file]")

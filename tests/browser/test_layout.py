@@ -45,6 +45,31 @@ def test_experiment_fits_every_screen_size(look, query):
     assert not higher(page, [size for size in WHOLE if query != "?more=1" or size[0] >= 1280])
 
 
+SMALL = (546, 307), (320, 256), (455, 256), (640, 360), (667, 375), (760, 340), (400, 300)  # zooms of 200 % and more
+OUT_OF_REACH = """() => ['#punch-view', '#sentence', '.forces .view', '#delta_bar', '#phi_ratio', '#E', '#play']
+    .filter((what) => {
+        const part = document.querySelector(what)
+        part.scrollIntoView({ block: 'center' })
+        const { left, right, top, bottom, width, height } = part.getBoundingClientRect()
+        const x = left + width / 2, y = top + height / 2, seen = document.elementFromPoint(x, y)
+        return !seen || !(part.contains(seen) || seen.closest('.player, #punch-view')) || left < -1
+            || right > innerWidth + 1 || y < 0 || y > innerHeight
+    })"""
+
+
+@pytest.mark.parametrize("query", ["?more=0", "?more=1"])
+def test_a_page_zoomed_to_250_percent_and_more_scrolls_to_all_its_parts(look, query):
+    """WCAG 1.4.10. Two of three sliders were gone, parts lay over each other, and nothing scrolled."""
+    page = look(query)
+    assert not faults_at(page, SMALL)
+    for width, height in SMALL:
+        page.set_viewport_size({"width": width, "height": height})
+        laid_out(page)
+        assert page.evaluate("document.documentElement.scrollHeight") > height, (width, height)
+        assert page.locator(".controls input[type=range]:visible").count() == 3, (width, height)
+        assert not page.evaluate(OUT_OF_REACH), (width, height)
+
+
 OVER_ENDS = """() => [...document.querySelectorAll('.ends')].flatMap((scale) => {
     const labels = [...scale.querySelectorAll(':scope > span, .mark span')]
     const boxes = labels.map((e) => [e.textContent, e.getBoundingClientRect()])

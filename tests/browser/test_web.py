@@ -44,6 +44,22 @@ FORBIDDEN = """for (const name of ["localStorage", "sessionStorage"]) {
 }"""
 
 
+@pytest.mark.parametrize("allowed", ["allow-scripts", "allow-scripts allow-same-origin"])
+def test_a_sandboxed_frame_without_an_origin_says_what_to_do(server, browser, allowed):
+    page, outer = patient(browser.new_page()), f"{server.origin}/outer"
+    body = f'<iframe src="{server.address}?embed=1" sandbox="{allowed}" width="960" height="600"></iframe>'
+    page.route(outer, lambda route: route.fulfill(body=body, content_type="text/html"))
+    page.goto(outer)
+    frame = page.frame_locator("iframe")
+    if "same-origin" in allowed:
+        frame.locator(".page[data-drawn] #punch-view").wait_for()
+        assert frame.locator("#lost").is_hidden()
+    else:
+        frame.get_by_text("Add allow-same-origin to the sandbox attribute of the frame.").wait_for()
+        assert frame.locator("#retry").is_hidden()
+    page.close()
+
+
 def test_page_works_in_a_browser_that_forbids_storage(server, browser):
     page = patient(browser.new_page())
     problems = []

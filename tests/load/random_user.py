@@ -26,7 +26,7 @@ SIZES = (1440, 900), (1280, 720), (820, 1180), (390, 844), (844, 390), (720, 450
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True, "device_scale_factor": 2}
 KEYS = (
     *("Space", "ArrowLeft", "ArrowRight", "Shift+ArrowRight", "Home", "End", "[", "]", "r", "p", "l", "c", "m", "?"),
-    *("Escape", "Tab", "Shift+Tab", "Enter", "Control+z", "Control+Shift+z", "ArrowUp", "ArrowDown"),
+    *("Escape", "Tab", "Shift+Tab", "Enter", "ArrowUp", "ArrowDown"),
 )
 TYPED = ("0", "0.3", "-0.5", "1e3", "7", "abc", "", "1,5", "-1e9", "∞", "x" * 100)
 START = "", "?more=1", "?view=projector", "?preset=rough", "?preset=fig4a-blue", "?preset=unload", "?page=regimes"
