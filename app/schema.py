@@ -1,7 +1,7 @@
 """Names, marks and colours of curves and nodes. Python, templates and scripts share these declarations.
 
-Colours are variables of style.css, marks are its classes; dashes and markers are Bokeh's. service/packing.py declares
-the columns and fields of packed frames.
+Colours are variables of style.css, marks are its classes; markers are those of Bokeh and of chart.js.
+service/packing.py declares the columns and fields of packed frames.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,6 @@ class Curve:
     label: str
     colour: str
     dash: str = "solid"
-    symbol: str = ""
 
 
 @dataclass(frozen=True)
@@ -73,8 +72,8 @@ STRESSES = {  # in the punch, beside the fringes; its shear at the surface is th
     "xz": Stress("shear stress τ", "τ", "pulls on", "holds back", "--slip", "--shear"),
 }
 CURVES = {
-    "F": Curve("friction F", "--shear", symbol="F"),
-    "L": Curve("load L", "--normal", "dashed", "L"),
-    "A": Curve("A, width touching", "--area", symbol="A"),
+    "F": Curve("friction F", "--shear"),
+    "L": Curve("load L", "--normal", "dashed"),
+    "A": Curve("A, width touching", "--area"),
     "ghost": Curve("before", "--ghost"),
 }

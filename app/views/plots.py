@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from bokeh.core.properties import field
 from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper, NoOverlap, Span
-from bokeh.models.glyphs import Image, MultiLine, Text, VBar
+from bokeh.models.glyphs import Image, Text
 from bokeh.plotting import figure
 
 FRAME = {
@@ -20,9 +20,7 @@ FRAME = {
 }
 ONE_LOOK = {"selection_glyph": None, "nonselection_glyph": None, "muted_glyph": None}
 COORDINATES: dict[type, tuple[str, ...]] = {  # of glyphs, if other than x and y
-    MultiLine: ("xs", "ys"),
     Text: ("x", "y", "text"),
-    VBar: ("x", "width", "top", "bottom"),
     Image: ("image", "x", "y", "dw", "dh"),
 }
 FACE = "system-ui, sans-serif"  # Bokeh's own, helvetica, is a serif face in browsers that lack it
@@ -50,17 +48,16 @@ def draw(
     *columns: Any,
     data: dict[str, Any] | None = None,
     tooltips: list | None = None,
-    hover: dict[str, Any] | None = None,
     level: str = "glyph",
     **look: Any,
 ) -> None:
-    """Add a glyph over columns, empty at first, that begin with its coordinates; hover: options beside `tooltips`."""
+    """Add a glyph over columns, empty at first, that begin with its coordinates."""
     coordinates = dict(zip(COORDINATES.get(kind, ("x", "y")), map(field, columns), strict=False))
     source = ColumnDataSource(data=data or {column: [] for column in columns})
     named = _named(plot, label, colour)
     part = plot.add_glyph(source, kind(**coordinates, **look), level=level, **named, **ONE_LOOK)
     if tooltips:
-        plot.add_tools(HoverTool(renderers=[part], tooltips=tooltips, **(hover or {})))
+        plot.add_tools(HoverTool(renderers=[part], tooltips=tooltips))
 
 
 def draw_image(

@@ -53,9 +53,7 @@ def test_parts_of_a_figure_are_found_by_name_and_can_be_coloured(still):
     assert "#123456" in (value, still.evaluate(f"{line}.value")), value
 
 
-def test_an_image_keeps_its_shape_and_can_be_read_back(still):
-    shape = still.evaluate("bokeh.image(parts.law_shear_map.map, new Float32Array(6), [2, 3])[0].shape")
-    assert list(shape) == [2, 3]
+def test_an_image_can_be_read_back(still):
     assert still.evaluate(
         "(({ image, rows, columns }) => image.length === rows * columns)(bokeh.drawnBy(parts.law_shear_map.map))"
     )

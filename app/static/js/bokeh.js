@@ -71,12 +71,6 @@ export function drawnBy(renderer) {
   return x?.field && y?.field ? { x: data[x.field], y: data[y.field] } : null
 }
 
-// Values (rows, columns) as an image wants them: of the kind that came from the server
-export function image(renderer, values, shape) {
-  const array = dataOf(renderer.data_source).image[0].constructor
-  return [new array(values, shape)]
-}
-
 // No key does anything in a figure, so that the Tab key passes it; a canvas of a new size is a stop again
 function skip(view) {
   const events = view.canvas_view?.events_el

@@ -15,7 +15,8 @@ const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in
 const SPARE = 0.08 // of a curve, on either side of it on a new axis
 const FAR_LESS = 0.6 // of an axis: where no more of it is needed, the axis shrinks
 
-// Let y of a chart hold low..high. It grows at once when too small, and shrinks when far too large and no slider is held
+// Let y of a chart hold low..high. It grows at once when too small; it shrinks when far too large, unless a slider is
+// held
 function fit(chart, low, high) {
   const { start, end } = chart.y, size = Math.max(high - low, 1e-9)
   const below = low - EDGE * size < start, above = high + EDGE * size > end
@@ -66,7 +67,7 @@ export function drawCurves(run, ghost, approach) {
 function markSlips(run, approach) {
   const along = run.normal || approach
   for (const [chart, name, way] of [["forces", along ? "L" : "F", run.normal ? "L" : "F"], ["area", "A", "A"]]) {
-    const [x, y] = run.slips(name, 1, null, approach)
+    const [x, y] = run.slips(name, null, approach)
     charts[chart].fill("slips", { x, y })
     pointAlong(run, charts[chart], run.curves[way])
   }
@@ -151,7 +152,7 @@ export function drawMap(run, shown) {
   const { U_x: x, x: y } = run.otherEdges(shown)
   chart.fill("branch", { x, y })
   by("branch").hidden = !y.some((place) => place === place)
-  const [loads] = run.slips("F_bar", 1, run.stageOfMap(shown), run.approaching(shown))
+  const [loads] = run.slips("F_bar", run.stageOfMap(shown), run.approaching(shown))
   chart.fill("slips", { x: loads, y: loads.map(() => 0.94 * chart.y.start) })
 }
 

@@ -1,7 +1,7 @@
 // The Bokeh figures of a page that is open. Nothing here reaches the server.
 
 import {
-  fill as fillRenderer, image as imageFor, isDrawn, namedParts, set, thicken, tint, viewOf,
+  fill as fillRenderer, isDrawn, namedParts, set, thicken, tint, viewOf,
 } from "./bokeh.js"
 import { colour, shades, textSize, theme } from "./colours.js"
 import { by, tell } from "./dom.js"
@@ -21,9 +21,6 @@ export function forget(name) {
 }
 
 export const fill = (view, label, columns) => fillRenderer(parts[view][label], columns)
-
-export const fillImage = (view, label, values, shape, place) => (
-  fill(view, label, { image: imageFor(parts[view][label], values, shape), ...place }))
 
 export const drawn = (names) => names.every((name) => isDrawn(figures[name]))
 

@@ -1,6 +1,6 @@
 // A run: its frames as they arrive (packed.js), and its curves and map as views ask for them.
 
-import { acts, Frames, scaled } from "./frames.js"
+import { acts, Frames } from "./frames.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 // Curves in units: of which column, and what its unit is
@@ -119,11 +119,10 @@ export class Run extends Frames {
     return { from: divided ? turn : 0, to: length, abscissa: this.head.abscissa }
   }
 
-  // {along, value} of a curve over a part, times `factor`
-  drawn(name, approach, factor = 1) {
-    const { from, to, abscissa } = this.part(approach)
-    const cut = (of) => this.curves[of].slice(from, to)
-    return { along: scaled(cut(abscissa), 1), value: scaled(cut(name), factor) }
+  // {along, value} of a curve over a part
+  drawn(name, approach) {
+    const { from, to, abscissa } = this.part(approach), cut = (of) => Float32Array.from(this.curves[of].slice(from, to))
+    return { along: cut(abscissa), value: cut(name) }
   }
 
   // Nothing acts anywhere after the approach
@@ -186,12 +185,12 @@ export class Run extends Frames {
     return k
   }
 
-  // [place along the path, value] at every slip (of one stage) of a part, times `factor`
-  slips(name, factor = 1, stage = null, approach = false) {
+  // [place along the path, value] at every slip (of one stage) of a part
+  slips(name, stage = null, approach = false) {
     const { slip, slip_at, stage: stages } = this.curves, { from, to } = this.part(approach)
     const frames = this.frames((k) => slip[k] && k >= from && k < to && (stage === null || stages[k] === stage))
     return [frames.map((k) => slip_at[k]),
-      frames.map((k) => this.curves[name][Math.max(k - 1, from)] * factor)]
+      frames.map((k) => this.curves[name][Math.max(k - 1, from)])]
   }
 
   // The frame nearest to a place along the path, nm, in the part of frame `now`; of several the one closest to it
