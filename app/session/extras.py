@@ -38,7 +38,7 @@ class Film(Requests):
 
     def _made(self, made, frame):
         if made is None or isinstance(made, str):
-            return self.session.send("film failed", why=made or "it could not be computed; try again")
+            return self.session.send("film", why=made or "it could not be computed; try again")
         for block in made:
             self.session.send("film", frame=frame, body=block)
 

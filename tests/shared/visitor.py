@@ -33,7 +33,7 @@ class Page:
         """Keep a message: frames of the run on screen or of a film, by their number; or another one."""
         new = event.msg_data
         numbers = {"run": new.get("run"), "film": ("film", new.get("frame"))}
-        if new["kind"] in numbers:
+        if new["kind"] in numbers and "body" in new:
             self.chunks.append((numbers[new["kind"]], *unpacked(new["body"])))
         elif new["kind"] != "status":
             self.messages.append(new)

@@ -63,7 +63,8 @@ function refuse(why) {
 }
 
 // Its frames follow those of the run, up to the one before the slip: so they are drawn as all others are
-function receive(chunk) {
+function receive({ why, ...chunk }) {
+  if (why && film && !film.frames) refuse(`Slow motion: ${why}.`)
   if (!film || chunk.frame !== film.k || me.run !== film.run) return
   if (!film.frames) {
     film.frames = Object.assign(new Run(`film ${chunk.frame}`, chunk.head), { filmed: true })
@@ -147,7 +148,6 @@ function leave() {
   redraw()
 }
 
-take("film", receive, unpackLater)
-take("film failed", ({ why }) => { if (film && !film.frames) refuse(`Slow motion: ${why}.`) })
+take("film", receive, (message) => (message.why ? message : unpackLater(message)))
 cover(["picture"], drawTrace)
 view(["run", "at"], look)
