@@ -8,7 +8,7 @@ import pytest
 from served import PARABOLA, PATIENCE, finished, from_menu, paused_at
 
 pytestmark = [pytest.mark.thorough]
-AXIS = "[...Bokeh.documents[0]._all_models.values()].find((m) => m.name === 'forces' && m.below).below[0].axis_label"
+AXIS = "charts.forces.across"
 
 
 def test_a_friction_loop_is_plotted_with_its_dissipated_energy(look):
@@ -105,6 +105,7 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
     for name, value in shown.items():
         assert value == pytest.approx(shown["curve"], rel=5e-3), name
     from_menu(page, "#take")
+    page.locator("#save-csv").wait_for()
     with page.expect_download() as download:
         page.locator("#save-csv").press("Enter")
     text = download.value.path().read_text()

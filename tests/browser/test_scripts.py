@@ -249,7 +249,7 @@ def test_views_of_changed_fields_draw_together_once_also_if_one_fails(tab):
     drawn = tab.evaluate(
         """async () => {
             const { cover, me, set, view } = await import("http://scripts/js/store.js")
-            const drawn = [], flushed = () => new Promise((then) => setTimeout(then))
+            const drawn = [], flushed = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then)))
             cover(["at"], () => drawn.push(`over ${me.at}`))
             view(["at"], () => { throw new Error("one view fails") })
             view(["at", "preview"], () => drawn.push(`${me.at} ${me.preview}`))

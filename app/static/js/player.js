@@ -107,8 +107,8 @@ function step(time) {
   const passed = Math.max(0, Math.min((time - last) / 1000, 0.1))
   last = isPlayed() ? time : null
   if (last === null) return
+  requestAnimationFrame(step) // first: what `advance` changes is then drawn in its own frame
   advance(passed)
-  requestAnimationFrame(step)
 }
 
 // A run begins slowly, so that there is time to see its first stick and slip

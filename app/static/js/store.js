@@ -1,5 +1,5 @@
 // What this visitor sees, in declared fields, and the views of it. Setting a field marks the views that watch it; all
-// that are marked draw together, once what is being done now has ended.
+// that are marked draw together, once in an animation frame: whatever is drawn and said has been on screen.
 
 import { paintCharts } from "./charts.js"
 
@@ -73,7 +73,7 @@ let rendering = false
 function schedule() {
   if (rendering) return
   rendering = true
-  queueMicrotask(render)
+  requestAnimationFrame(render)
 }
 
 export const cost = { of: 0, ended: 0 } // ms that the last picture took, and when it was done
