@@ -112,6 +112,8 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
     rows = list(csv.DictReader(io.StringIO("".join(line for line in text.splitlines(True) if line[0] != "#"))))
     F = [float(row["F (N/m)"]) for row in rows]
     assert pytest.approx(F, rel=1e-5, abs=1e-3) == page.evaluate("[...punch.run.shear('F')]")
+    page.keyboard.press("Escape")
+    page.locator("#share").wait_for(state="hidden")
 
 
 @pytest.mark.thorough
@@ -129,6 +131,8 @@ def test_an_uploaded_profile_is_used_once_its_unit_is_known_and_an_invalid_one_k
     page.set_input_files("#profile", tmp_path / "wave.csv")
     page.get_by_role("radio", name="nm: 500 nm long, 6.25 nm high").wait_for()
     page.get_by_role("radio", name="µm: 500 µm long, 6.25 µm high").check()
+    page.evaluate("punch.status = { ...punch.status }")  # a status that comes meanwhile leaves the question there
+    page.wait_for_function("!punch.fresh")
     assert page.inner_text("#trace-says").startswith("The file names no unit. Choose the one that is right: 500 µm of")
     page.get_by_role("radio", name="nm: 500 nm long").check()
     page.get_by_role("button", name="Use it").click()

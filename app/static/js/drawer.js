@@ -39,7 +39,7 @@ function refresh() {
   for (const row of document.querySelectorAll("#drawer .row")) {
     row.hidden = sought ? !`${row.textContent} ${row.dataset.also}`.toLowerCase().includes(sought) : !applies(row)
   }
-  for (const group of document.querySelectorAll("#drawer fieldset"))
+  for (const group of document.querySelectorAll("#drawer > fieldset"))
     group.hidden = !group.querySelector(".row:not([hidden])")
   for (const button of document.querySelectorAll(".restore")) {
     button.hidden = `${values[button.dataset.name]}` === `${declared.usual[preset][button.dataset.name]}`
