@@ -24,8 +24,8 @@ IN_TAB = """async (text) => {
     const { skeleton } = await skeletonLater({ body: buffer }), whole = chunkFrom(skeleton)
     const few = chunkFrom(skeleton, true, 3)
     const lists = (of) => Object.fromEntries(Object.entries(of).map(([name, list]) => [name, [...list]]))
-    const { first, nodes } = whole.head, rows = [0, 70, 200, 300].map((k) => k * nodes)
-    const u = rows.map((at) => [...whole.fields.u_x.subarray(at, at + nodes)])
+    const { first } = whole.head, rows = [0, 70, 200, 300]
+    const u = rows.map((row) => [...whole.fieldsAt(row).u_x])
     return { first, u, whole: lists(whole.columns), few: lists(few.columns) }
 }"""
 

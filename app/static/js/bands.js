@@ -2,7 +2,7 @@
 // happens.
 
 import { charts } from "./charts.js"
-import { isShown } from "./colours.js"
+import { isShown, sizeOf } from "./colours.js"
 import { by } from "./dom.js"
 import { cleared, inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
@@ -17,7 +17,7 @@ export function drawBands(run, k) {
   const canvas = by("bands"), box = charts.punch.box, pen = box && isShown(canvas) ? cleared(canvas) : null
   if (!pen) return
   const { drawn: x, T_n, T_t } = drawnFrame(run, k), ink = inks(), { start, end } = charts.punch.x
-  const row = 1.35 * size(), high = canvas.clientHeight - row - 4
+  const row = 1.35 * size(), high = sizeOf(canvas)[1] - row - 4
   const normal = {
     of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering],
     says: ["pushes apart", "pulls together"],

@@ -1,6 +1,6 @@
 // A chart on a canvas of its own: axes, a grid, and parts that are painted in order. Sizes are in px of the page.
 
-import { colour, isShown, textSize } from "./colours.js"
+import { colour, isShown, sizeOf, textSize } from "./colours.js"
 import { minus } from "./quantities.js"
 import { cleared, font, note, within } from "./pen.js"
 
@@ -166,9 +166,9 @@ export class Chart {
 
   // The frame within the axes, px, and the px of its places; null while it is not in sight
   get box() {
-    const { clientWidth, clientHeight } = this.canvas, size = textSize(), { x, y } = this
+    const [wide, high] = sizeOf(this.canvas), size = textSize(), { x, y } = this
     const under = this.axis ? TICK + 2.6 * size + 8 : BOTTOM
-    const width = clientWidth - LEFT - (size > LARGE ? 34 : RIGHT), height = clientHeight - TOP - under
+    const width = wide - LEFT - (size > LARGE ? 34 : RIGHT), height = high - TOP - under
     if (!(width > 0 && height > 0)) return null
     const across = width / (x.end - x.start), up = height / (y.end - y.start) // px of a unit
     return { left: LEFT, top: TOP, width, height, across, up,

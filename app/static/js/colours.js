@@ -3,12 +3,14 @@
 const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
 
 const TEXT = 0.88 // of the text of the page
-let read = {}, shown = new WeakMap() // variables of the page's styles, and whether elements are visible
+// Variables of the page's styles, whether elements are visible, and their sizes: to ask lays the page out
+let read = {}, shown = new WeakMap(), sizes = new WeakMap()
 
 // Read them again: the theme, the size, or what is shown, has changed
 export function readAgain() {
   read = {}
   shown = new WeakMap()
+  sizes = new WeakMap()
 }
 
 export const colour = (name) =>
@@ -17,6 +19,12 @@ export const colour = (name) =>
 export function isShown(element) {
   if (!shown.has(element)) shown.set(element, element.checkVisibility())
   return shown.get(element)
+}
+
+// [width, height] of an element, px
+export function sizeOf(element) {
+  if (!sizes.has(element)) sizes.set(element, [element.clientWidth, element.clientHeight])
+  return sizes.get(element)
 }
 
 // px, of text in figures and on canvases

@@ -25,8 +25,8 @@ export class Frames {
 
   // What was sent of frame k: its head, and the Int16Array of a field over the patch
   sent(k) {
-    const [{ head, fields }, row] = this.places[k]
-    return { head, of: (name) => fields[name].subarray(row * head.nodes, (row + 1) * head.nodes) }
+    const [{ head, fields, fieldsAt }, row] = this.places[k], here = fieldsAt?.(row)
+    return { head, of: (name) => here?.[name] ?? fields[name].subarray(row * head.nodes, (row + 1) * head.nodes) }
   }
 
   // The header of the chunk with frame k: the nodes of its patch

@@ -1,11 +1,11 @@
 // Drawing on a canvas: text, arrows, and the colours of style.css.
 
-import { colour, textSize } from "./colours.js"
+import { colour, sizeOf, textSize } from "./colours.js"
 import { make } from "./dom.js"
 
 // The pen of an emptied canvas, in pixels of the page; null while it has no size
 export function cleared(canvas) {
-  const { clientWidth: width, clientHeight: height } = canvas, ratio = window.devicePixelRatio || 1
+  const [width, height] = sizeOf(canvas), ratio = window.devicePixelRatio || 1
   if (!width || !height) return null
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio)

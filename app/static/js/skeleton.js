@@ -5,7 +5,7 @@ import { lawOf } from "./law.js"
 import { inflated } from "./packed.js"
 
 const STENCIL = 6 // states for interpolation
-const FEW = 160 // increments of a run while a slider is held, beside those at slips: a few pixels apart
+const FEW = 120 // increments of a run while a slider is held, beside those at slips: a few pixels apart
 const SCALES = { gap: 1, u_x: 1, T_z: 1, T_x: 1 } // fields are in nm and GPa
 const OF_SLIP = ["slip_at", "slip_F", "slip_L", "slip_A"] // columns of its load and what was there just before
 
@@ -50,8 +50,17 @@ function placeIn({ loads, slips, periodic }, load) {
 const lagrange = (nodes, x) =>
   nodes.map((a, i) => nodes.reduce((w, b, j) => (i === j ? w : (w * (x - b)) / (a - b)), 1))
 
-// The state of a branch at a load
-function stateOf(branch, load) {
+// Fill v with a weighted sum of states; most often there are six
+function combine(v, w, states) {
+  const [a, b, c, d, e, f] = states, [p, q, r, s, t, u] = w
+  if (w.length === STENCIL) {
+    for (let i = 0; i < v.length; i++)
+      v[i] = p * a[i] + q * b[i] + r * c[i] + s * d[i] + t * e[i] + u * f[i]
+  } else for (let i = 0; i < v.length; i++) v[i] = w.reduce((sum, weight, k) => sum + weight * states[k][i], 0)
+}
+
+// Fill v with the state of a branch at a load
+function stateOf(branch, load, v) {
   const { places, states, periodic } = branch, n = places.length - periodic, size = Math.min(STENCIL, n)
   const at = placeIn(branch, load), turns = periodic ? Math.floor(at) : 0
   const after = places.findIndex((place) => place >= at - turns)
@@ -59,24 +68,17 @@ function stateOf(branch, load) {
   const begin = periodic ? first : Math.min(Math.max(first, 0), n - size)
   const index = Array.from({ length: size }, (_, k) => begin + k), turn = (i) => (periodic ? Math.floor(i / n) : 0)
   const weights = lagrange(index.map((i) => places[i - n * turn(i)] + turn(i)), at - turns)
-  const v = new Float64Array(states[0].length)
-  const add = (w, state) => { for (let i = 0; i < v.length; i++) v[i] += w * state[i] }
-  weights.forEach((w, k) => add(w, states[index[k] - n * turn(index[k])]))
+  combine(v, weights, index.map((i) => states[i - n * turn(i)]))
   const moved = weights.reduce((sum, w, k) => sum + w * turn(index[k]), turns) // by periods
-  if (moved) {
-    add(moved, states.at(-1))
-    add(-moved, states[0])
-  }
-  return v
+  if (moved) for (let i = 0; i < v.length; i++) v[i] += moved * (states.at(-1)[i] - states[0][i])
 }
 
-// u_x and gap of all nodes, and U_z, nm, at a load: of the branch that holds it, moved on by whole periods
-export function unknownsAt({ head: { period, nodes }, branches }, load) {
+// Fill v with u_x and gap of all nodes, and U_z, nm, at a load: of the branch that holds it, moved on by whole periods
+function fillUnknowns({ head: { period, nodes }, branches }, load, v) {
   const last = branches.at(-1), end = last.loads.at(-1)
   const shift = period ? Math.max(0, Math.ceil((load - end) / period)) * period : 0
-  const v = stateOf(branches.find(({ loads }) => load - shift <= loads.at(-1)) ?? last, load - shift)
-  for (let i = 0; i < nodes; i++) v[i] += shift
-  return v
+  stateOf(branches.find(({ loads }) => load - shift <= loads.at(-1)) ?? last, load - shift, v)
+  if (shift) for (let i = 0; i < nodes; i++) v[i] += shift
 }
 
 // Numbers of the increments of a picture, which has few: even ones, those at slips, the one at U_x and the last
@@ -87,24 +89,35 @@ function fewOf({ step, slips }, last, every, U_x) {
   return [...new Set([...even, ...[...beside, Math.round(U_x / step), last].map(within)])].toSorted((a, b) => a - b)
 }
 
-// The increments of a run as a chunk of frames (packed.js): all; or, where `few`, those of a picture
+// The increments of a run as a chunk of frames (packed.js): all; or, where `few`, those of a picture. Curves are made
+// now, fields when they are looked at
 export function chunkFrom(skeleton, few = false, U_x = 0) {
   const { head } = skeleton, { nodes, step, stages } = head, last = Math.floor(head.span[1] / step + 1e-9)
   const every = few ? Math.ceil((last + 1) / FEW) : 1, steps = fewOf(head, last, every, U_x), frames = steps.length
-  const made = (names, size) => Object.fromEntries(names.map((name) => [name, new Float32Array(size)]))
-  const columns = made(head.columns, frames), fields = made(Object.keys(SCALES), frames * nodes)
-  steps.forEach((index, k) => {
-    const v = unknownsAt(skeleton, index * step), of = (name) => fields[name].subarray(k * nodes, (k + 1) * nodes)
-    const gap = v.subarray(nodes, 2 * nodes), T_x = of("T_x"), T_z = of("T_z")
-    of("u_x").set(v.subarray(0, nodes))
-    of("gap").set(gap)
+  const columns = Object.fromEntries(head.columns.map((name) => [name, new Float32Array(frames)]))
+  const v = new Float64Array(2 * nodes + head.held), gap = v.subarray(nodes, 2 * nodes) // of one increment at a time
+  const T_x = new Float64Array(nodes), T_z = new Float64Array(nodes)
+  const evaluate = (index) => {
+    fillUnknowns(skeleton, index * step, v)
     skeleton.law(v, gap, T_x, T_z)
+  }
+  steps.forEach((index, k) => {
+    evaluate(index)
     const delta = head.held ? -v.at(-1) : head.approach[1]
     const values = { stage: stages.indexOf("shear"), index, U_x: index * step, delta, ...forcesOf(head, T_x, T_z) }
     for (const name in values) columns[name][k] = values[name]
   })
   markSlips(head, steps, columns)
-  return { head: { ...head, last: true, frames, scales: SCALES, step: every * step }, columns, fields }
+  const rows = [] // the fields of those increments that were looked at
+  const fieldsAt = (row) => {
+    if (!rows[row]) {
+      evaluate(steps[row])
+      const kept = { u_x: v.subarray(0, nodes), gap, T_x, T_z }
+      rows[row] = Object.fromEntries(Object.keys(kept).map((name) => [name, Float32Array.from(kept[name])]))
+    }
+    return rows[row]
+  }
+  return { head: { ...head, last: true, frames, scales: SCALES, step: every * step }, columns, fieldsAt }
 }
 
 // Slips in their increments; of several in one the first counts
