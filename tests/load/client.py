@@ -102,7 +102,7 @@ class Tab:
             await self.give({"do": "scene", "values": {name: values[sent]}, "held": True})
             while (what := await self.heard()) == "run":
                 first = first or time.perf_counter() - start
-            if what == "picture":
+            if what == "skeleton":
                 pictures += 1
                 first = first or time.perf_counter() - start
         begun = time.perf_counter()
@@ -116,7 +116,7 @@ class Tab:
         await self.send("PATCH-DOC", self.patch(order | {"n": self.orders}))
 
     async def heard(self):
-        """What comes next of "run", "picture" and "status", of these what answers the last order."""
+        """What comes next of "run", "skeleton" and "status", of these what answers the last order."""
         while True:
             message = await self.message("PATCH-DOC")
             for event in message.content["events"]:
@@ -124,7 +124,7 @@ class Tab:
                 what = news.get("kind")
                 if what == "status":
                     self.status |= news
-                if what in ("run", "picture") or (what == "status" and self.status["acknowledged"] == self.orders):
+                if what in ("run", "skeleton") or (what == "status" and self.status["acknowledged"] == self.orders):
                     return what
 
     def leave(self):
