@@ -231,7 +231,7 @@ export class Chart {
     if (this.axis) pen.fillText(this.across, left + width / 2, bottom + TICK + 6 + 1.9 * size)
     const wide = Math.max(...upright.map(([, text]) => pen.measureText(text).width))
     pen.save()
-    pen.translate(left - TICK - 8 - wide - 0.7 * size, top + height / 2)
+    pen.translate(Math.max(0.6 * size + 1, left - TICK - 8 - wide - 0.7 * size), top + height / 2) // all of it in sight
     pen.rotate(-Math.PI / 2)
     pen.fillText(this.up, 0, 0)
     pen.restore()
