@@ -18,7 +18,10 @@ export function connect() {
     by("play").textContent = (me.film ? !me.film.paused : me.playing) ? "Pause" : "Play"
   })
   view(["run"], () => { by("play").disabled = !me.run })
-  view(["dragging"], () => { if (!me.dragging && me.run?.few) showPredicted(false) })
+  view(["dragging"], () => {
+    clearTimeout(completing)
+    if (!me.dragging && me.run?.few) completing = setTimeout(() => { if (me.run?.few) showPredicted(false) }, AFTERWARDS)
+  })
 }
 
 // A chunk of the run on screen, or of the one to come
@@ -46,6 +49,9 @@ function standsIn(run, { state }) {
 }
 
 let predicted = null, count = 0 // the skeleton of the last prediction; how many runs were made of them
+const AFTERWARDS = 50 // ms after a slider is let go, which is on screen by then, until all increments are computed
+const MEASURED = 60 // increments of a prediction that the axes are fitted to, beside those at slips
+let completing = 0
 
 // The skeleton of where a slider is, or was a moment ago; first the server hears where it is now
 export function follow({ acknowledged, skeleton }) {
@@ -63,7 +69,8 @@ function showPredicted(few) {
   const near = (at) => Math.abs(chunk.columns.U_x[at] - U_x)
   const shown = chunk.columns.U_x.reduce((best, _, at) => (near(at) < near(best) ? at : best), 0)
   Object.assign(run, { followed: true, few })
-  run.add(chunk, few ? [0, shown] : undefined)
+  const { slip } = chunk.columns, every = Math.ceil(slip.length / MEASURED)
+  run.add(chunk, few ? [0, shown] : [...slip.keys()].filter((k) => k % every === 0 || slip[k] || slip[k + 1]))
   if (few) run.keepSpans(before)
   begin(run)
   set({ at: shown, following: false, place: null })
