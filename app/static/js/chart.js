@@ -240,8 +240,8 @@ export class Chart {
   // Text about what the mouse points at, on a ground of its own, within the frame
   #tell(pen, { left, top, width, height }) {
     const { x, y } = this.pointed
-    const within = x >= left && x <= left + width && y >= top && y <= top + height
-    const texts = within ? this.says(this.placeOf(this.pointed), this.pointed) : null
+    const inside = x >= left && x <= left + width && y >= top && y <= top + height
+    const texts = inside ? this.says(this.placeOf(this.pointed), this.pointed) : null
     if (texts) note(pen, texts, x, y, NEAR, { left, top, width, height })
   }
 }

@@ -15,10 +15,11 @@ const pins = () => ({ kind: "lines", list: [] })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
 const ways = () => ({ kind: "marks", marker: "right", size: 11, ink: "--text", ...none }) // heads along a curve
 
+const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
+
 // nodes: {state: how it is drawn}, the most important first
 export function makeCharts(nodes) {
   const place = { start: -250, end: 250 }, path = { start: 0, end: 40 }
-  const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
   const states = Object.entries(nodes).toReversed().map(([state, { marker, size, colour }]) =>
     [state, { kind: "marks", marker, size, ink: colour, ...none }])
   charts.punch = new Chart(view("punch"), { x: { ...place }, y: { start: -1.2, end: 7 },
@@ -53,6 +54,9 @@ export const dashLoad = (dashed) => {
 export function change() {
   for (const name in charts) charts[name].changed = true
 }
+
+// Whether one that is in sight is to be painted
+export const chartsWait = () => Object.values(charts).some(({ changed, view: of }) => changed && isShown(of))
 
 export const paintCharts = () => { for (const name in charts) charts[name].paint() }
 

@@ -124,12 +124,12 @@ function nameAxis(abscissa) {
 
 // What the charts say about a place that the mouse points at
 const where = (x) => `${AXES[abscissaNamed][0]} = ${fixed(x, 1)} nm`
+const at = (x) => (me.run?.sheared >= 0 ? me.run.nearest(x, me.at) : null)
+const says = (names) => ({ x }) => {
+  const k = at(x)
+  return k === null ? null : [where(me.run.along[k]), ...names.map((name) => named(name, me.run.values(k)[name]))]
+}
 export function connectCurves() {
-  const at = (x) => (me.run?.sheared >= 0 ? me.run.nearest(x, me.at) : null)
-  const says = (names) => ({ x }) => {
-    const k = at(x)
-    return k === null ? null : [where(me.run.along[k]), ...names.map((name) => named(name, me.run.values(k)[name]))]
-  }
   charts.forces.says = says(["F", "L"])
   charts.area.says = says(["A"])
   charts.map.says = ({ x, y }) => {

@@ -7,7 +7,7 @@ import { by } from "./dom.js"
 import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
-import { cost, cover, me, memory, set, touch, view } from "./store.js"
+import { cost, cover, frame, me, memory, set, touch } from "./store.js"
 import { drawStory, tellNow } from "./story.js"
 import { tellFrame } from "./words.js"
 
@@ -15,12 +15,12 @@ const QUIET = 150 // ms between two drawings of a growing run: it needs the proc
 const HELD = 250 // ms between two drawings of the map while a slider is held: the curves come first
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
 
-const frame = memory(), curves = memory(), map = memory()
+const increment = memory(), curves = memory(), map = memory()
 let curvesAt = 0, mapAt = 0 // ms, when they were drawn
 let timer = 0
 
 export function connect() {
-  view(["run", "ghost", "pins", "at", "preview", "film", "playing", "dragging", "following", "look"], draw)
+  frame(["run", "ghost", "pins", "at", "preview", "film", "playing", "dragging", "following", "look"], draw)
   cover(["picture"], drawCanvases)
 }
 
@@ -38,7 +38,7 @@ function draw() {
     drawStage(run, k, time)
   }
   if (isPlayed() && time < cost.ended + REST * cost.of && me.picture?.run === run) return
-  if (!frame(run, k, run.whole, me.ghost, me.pins, me.playing, me.dragging, me.look)) return
+  if (!increment(run, k, run.whole, me.ghost, me.pins, me.playing, me.dragging, me.look)) return
   drawIncrement(run, k)
   by("scrub").value = k
 }

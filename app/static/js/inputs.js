@@ -8,7 +8,7 @@ import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
-import { declared, exact, beginChange, me, redraw, reduced, set } from "./store.js"
+import { declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant

@@ -22,7 +22,7 @@ import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
-import { declared, embedded, me, redraw, redrawCanvases, view } from "./store.js"
+import { declared, embedded, me, redraw, view } from "./store.js"
 
 // wire: the Wire of this visitor; slots: {name: Column} for the figures of pages; declarations: JSON of looks {preset:
 // text}, usual {preset: values}, nodes {state: how it is drawn}, positions {slider: values} and reach (of

@@ -20,7 +20,7 @@ export function connect() {
   view(["run"], () => { by("play").disabled = !me.run })
   view(["dragging"], () => {
     clearTimeout(completing)
-    if (!me.dragging && me.run?.few) completing = setTimeout(() => { if (me.run?.few) showPredicted(false) }, AFTERWARDS)
+    if (!me.dragging && me.run?.few) completing = setTimeout(complete, AFTERWARDS)
   })
 }
 
@@ -49,6 +49,7 @@ function standsIn(run, { state }) {
 }
 
 let predicted = null, count = 0 // the skeleton of the last prediction; how many runs were made of them
+const complete = () => { if (me.run?.few) showPredicted(false) }
 const AFTERWARDS = 50 // ms after a slider is let go, which is on screen by then, until all increments are computed
 const MEASURED = 60 // increments of a prediction that the axes are fitted to, beside those at slips
 let completing = 0

@@ -1,7 +1,7 @@
 // What this visitor sees, in declared fields, and the views of it. Setting a field marks the views that watch it; all
-// that are marked draw together, once in an animation frame: whatever is drawn and said has been on screen.
+// that are marked draw together: words soon, pictures once in an animation frame, so that all of them are seen.
 
-import { paintCharts } from "./charts.js"
+import { chartsWait, paintCharts } from "./charts.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
@@ -29,7 +29,7 @@ const fields = {
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 
-const views = [], covers = [] // {draw, due}
+const views = [], frames = [], covers = [] // {draw, due}
 const watchers = Object.fromEntries(Object.keys(fields).map((name) => [name, []])) // {field: those that watch it}
 
 function watch(list, names, draw) {
@@ -39,8 +39,10 @@ function watch(list, names, draw) {
   schedule()
 }
 
-// Call `draw` before the charts are painted, now and whenever one of these fields was set
+// Call `draw` soon, and whenever one of these fields was set: for words and controls
 export const view = (names, draw) => watch(views, names, draw)
+// Call `draw` in the next animation frame, before the charts are painted
+export const frame = (names, draw) => watch(frames, names, draw)
 // Call `draw` once they are painted: for canvases that lie over them
 export const cover = (names, draw) => watch(covers, names, draw)
 
@@ -65,28 +67,35 @@ for (const name in fields) {
     enumerable: true })
 }
 // whether something is not drawn yet, for tests
-Object.defineProperty(me, "fresh", { get: () => rendering })
+Object.defineProperty(me, "fresh", { get: () => viewing || painting })
 Object.seal(me)
 globalThis.punch = me // for the console, and for tests
 
-let rendering = false
+let viewing = false, painting = false // whether either is to come
 function schedule() {
-  if (rendering) return
-  rendering = true
-  requestAnimationFrame(render)
+  if (viewing) return
+  viewing = true
+  queueMicrotask(runViews)
 }
 
 export const cost = { of: 0, ended: 0 } // ms that the last picture took, and when it was done
 
-function render() {
-  const begun = performance.now()
+function runViews() {
+  viewing = false
   drawAll(views)
+  if (painting || !([...frames, ...covers].some(({ due }) => due) || chartsWait())) return
+  painting = true
+  requestAnimationFrame(paint)
+}
+
+function paint() {
+  const begun = performance.now()
+  drawAll(frames)
   paintCharts()
   drawAll(covers)
   const ended = performance.now()
   Object.assign(cost, { of: ended - begun, ended })
-  rendering = false
-  if ([...views, ...covers].some(({ due }) => due)) schedule()
+  painting = false
 }
 
 function drawAll(list) {
