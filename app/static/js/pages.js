@@ -1,6 +1,6 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
 // app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), receive(news),
-// which are {} as it closes, frame(run, k) with every frame before Bokeh paints, and over(run, k) after that.
+// which are {} as it closes, frame(run, k) with every frame, and over(run, k) after the charts are painted.
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
