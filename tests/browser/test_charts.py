@@ -115,6 +115,7 @@ def test_several_changes_are_painted_once_and_what_is_not_in_sight_never(look):
             punch.look++
             punch.ghost = null
             await new Promise(requestAnimationFrame)
+            await new Promise(requestAnimationFrame) // the one in which they were painted is over
             return counts
         }"""
     )

@@ -173,7 +173,8 @@ def test_page_what_matters_marks_the_punch_while_it_is_open_and_a_bar_raises_its
         const story = document.getElementById("story"), pen = story.getContext("2d")
         return [...pen.getImageData(0, 0, story.width, story.height).data].reduce((sum, value) => sum + value, 0)
     })()"""
-    page.wait_for_function("!punch.fresh")
+    finished(page)
+    page.wait_for_function("!punch.fresh && punch.drawn === punch.run.length - 1")
     alone = page.evaluate(colours)
     page.evaluate("document.querySelector('nav button[data-page=matters]').click()")
     page.locator("#matters-bars button").first.wait_for()
