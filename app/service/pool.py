@@ -35,7 +35,7 @@ OPEN = (
     "APP_SCHEDULER is a tcp:// address: whoever reaches this scheduler can run any code on it and its workers."
     " Use it in a trusted network only, or use tls://"
 )
-STOPS = 10.0  # s until a generator that is told to stop has come to its next item; then its process is killed
+STOPS = 10.0  # s that a cancelled generator may take to its next item. After that its process is killed
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 

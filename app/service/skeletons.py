@@ -22,6 +22,7 @@ from solver.run.frame import least_repulsion
 UNIT, UNIT_OF_FLATS = 8e-5, 1e-6  # nm: interpolated u_x then errs by less than 1e-3; all nodes of a flat err alike
 LEVEL = 6  # of zlib
 LARGEST = 2**15 - 1  # of an int16
+COARSEST = 1e-3  # nm: rounded more coarsely, states would give wrong forces; it is enough for moves of 33 nm
 
 
 def packed(skeleton: Skeleton) -> bytes:
@@ -71,6 +72,8 @@ def _steps(v, unit, rounded):
         if (largest := np.abs(steps[1:]).max(initial=0.0)) <= LARGEST:
             return unit, steps[0].astype("<i4"), steps[1:].astype("<i2")
         unit *= np.ceil(largest / LARGEST)
+        if unit > COARSEST:
+            raise NotFollowed("a predicted state is too far from the one before")
 
 
 def _branch(branch) -> dict[str, Any]:

@@ -224,7 +224,7 @@ def _of_parameters(model, trial, errors, correlations):
 def alike(free: Sequence[str], correlations: NDArray[np.float64]) -> list[str]:
     """Warnings about pairs of parameters (n,) that correlations (n, n) do not tell apart."""
     return [
-        f"{free[j]} and {free[i]} cannot be told apart: correlation {correlations[i, j]:.3f}; fix one of the two:"
+        f"{free[j]} and {free[i]} cannot be told apart, their correlation is {correlations[i, j]:.3f}. Fix one of them:"
         " their errors mean little"
         for i in range(len(free))
         for j in range(i)

@@ -12,7 +12,7 @@ from app.service import following, metrics, packing, skeletons, worker
 from app.service.jobs import Jobs
 from app.service.pool import EXACT, SCREEN
 from app.session import pursuit
-from solver import Scene, follow
+from solver import NotFollowed, Scene, follow
 
 SCENE = Scene(u_x_max=16.0)  # slips three times
 NEXT = SCENE.changed(delta_bar=0.02)
@@ -59,6 +59,11 @@ def test_states_farther_apart_than_two_bytes_hold_are_rounded_more_coarsely(runs
     branches = replace(first, states=tuple(states)), *others
     moved = replace(skeleton, trace=replace(skeleton.trace, branches=branches))
     assert head_of(skeletons.packed(skeleton))["unit"] == skeletons.UNIT
+    far = tuple(state._replace(v=state.v + 100.0 * (k == 1)) for k, state in enumerate(first.states))
+    with pytest.raises(NotFollowed, match="too far"):
+        skeletons.packed(
+            replace(skeleton, trace=replace(skeleton.trace, branches=(replace(first, states=far), *others)))
+        )
     assert head_of(skeletons.packed(moved))["unit"] == 4 * skeletons.UNIT
 
 

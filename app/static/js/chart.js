@@ -135,7 +135,7 @@ export class Chart {
   shown = true // whether its parts are
   axis = true // whether the axis under it is
   pointed = null // where the mouse is, {x, y} px in the canvas
-  says = () => null // lines of text about a place {x, y} and its px {across, down}; null: nothing
+  says = () => null // lines of text about a place {x, y}, given also in px of the canvas; null: nothing
 
   // parts: {label: {kind, ...}}, painted in this order
   constructor(view, { x, y, across, up, parts }) {

@@ -133,10 +133,14 @@ export function connectCurves() {
   charts.forces.says = says(["F", "L"])
   charts.area.says = says(["A"])
   charts.map.says = ({ x, y }) => {
-    const { map } = charts.map.parts, column = Math.floor((x - map.x) / map.wide * map.columns)
-    const row = Math.floor((y - map.y) / map.high * map.rows), inside = column >= 0 && column < map.columns
-    const T = inside && row >= 0 && row < map.rows ? map.values[row * map.columns + column] : NaN
-    return [where(x), `x = ${fixed(y, 0)} nm`, T === T ? `Tₙ = ${fixed(T, 3)} GPa` : "free"]
+    const { map } = charts.map.parts
+    if (!map.picture) return null
+    const column = Math.floor(((x - map.x) / map.wide) * map.columns)
+    const row = Math.floor(((y - map.y) / map.high) * map.rows)
+    const inside = column >= 0 && column < map.columns && row >= 0 && row < map.rows
+    const T = inside ? map.values[row * map.columns + column] : NaN, here = [where(x), `x = ${fixed(y, 0)} nm`]
+    if (T === T) return [...here, `Tₙ = ${fixed(T, 3)} GPa`]
+    return me.run.whole ? [...here, "free"] : here // what is not computed yet is not free
   }
 }
 
