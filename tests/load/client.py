@@ -105,9 +105,10 @@ class Tab:
             if what == "skeleton":
                 pictures += 1
                 first = first or time.perf_counter() - start
-        begun = time.perf_counter()
+        begun, predicted = time.perf_counter(), self.status["run"] if what == "skeleton" else None
         await self.give({"do": "release"})
-        while await self.heard() != "status" or self.status["state"] not in ENDS:
+        # the run before a prediction has ended long ago: its exact run has another number
+        while await self.heard() != "status" or self.status["state"] not in ENDS or self.status["run"] == predicted:
             first = first or time.perf_counter() - start
         return first, time.perf_counter() - begun, pictures, self.status
 
