@@ -19,7 +19,7 @@ const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
 
 // nodes: {state: how it is drawn}, the most important first
 export function makeCharts(nodes) {
-  const place = { start: -250, end: 250 }, path = () => ({ start: 0, end: 40 })
+  const place = { start: -250, end: 250 }, path = { start: 0, end: 40 }
   const states = Object.entries(nodes).toReversed().map(([state, { marker, size, colour }]) =>
     [state, { kind: "marks", marker, size, ink: colour, ...none }])
   charts.punch = new Chart(view("punch"), { x: { ...place }, y: { start: -1.2, end: 7 },
@@ -28,17 +28,18 @@ export function makeCharts(nodes) {
       body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
       sites: line("--text", { width: 2.5 }), ...Object.fromEntries(states), pins: pins(),
     } })
-  charts.forces = new Chart(view("forces"), { x: path(), y: { start: -1, end: 2 }, across: "", up: "F, L (N/m)", parts: {
-    zero: { kind: "across", ink: "--grid" }, pins: pins(),
-    ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
-    F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
-    slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
-  } })
-  charts.area = new Chart(view("area"), { x: path(), y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
+  charts.forces = new Chart(view("forces"), { x: { ...path }, y: { start: -1, end: 2 },
+    across: "", up: "F, L (N/m)", parts: {
+      zero: { kind: "across", ink: "--grid" }, pins: pins(),
+      ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
+      F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
+      slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
+    } })
+  charts.area = new Chart(view("area"), { x: { ...path }, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
     pins: pins(), ghost_A: line("--ghost", { width: 3 }), A: line("--area", { width: 2 }),
     slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
   } })
-  charts.map = new Chart(view("map"), { x: path(), y: { ...place }, across: "", up: "x (nm)", parts: {
+  charts.map = new Chart(view("map"), { x: { ...path }, y: { ...place }, across: "", up: "x (nm)", parts: {
     map: { kind: "image", picture: null }, unrested: { kind: "stripes", list: [], ink: "--free" },
     branch: line("--text", { dash: DASHED }), // edges of the contact in other stages
     pins: pins(), slips: { ...SLIP, ...none }, cursor: cursor(),
