@@ -15,6 +15,7 @@ import numpy as np
 from app.limits import FLAT
 from app.service.packing import of_scene
 from solver import NotFollowed, Scene
+from solver.continuation.trace import Branch
 from solver.following.skeleton import Skeleton
 from solver.mechanics.cohesive_law import law_constants
 from solver.run.frame import least_repulsion
@@ -22,13 +23,15 @@ from solver.run.frame import least_repulsion
 UNIT, UNIT_OF_FLATS = 8e-5, 1e-6  # nm: interpolated u_x then errs by less than 1e-3; all nodes of a flat err alike
 LEVEL = 6  # of zlib
 LARGEST = 2**15 - 1  # of an int16
+GAIN = 4.0  # by which interpolation may amplify the error of rounding
 COARSEST = 1e-3  # nm: rounded more coarsely, states would give wrong forces; it is enough for moves of 33 nm
 
 
 def packed(skeleton: Skeleton) -> bytes:
     """Return a Skeleton as bytes. Raises NotFollowed if a state is not finite, or too far from the one before."""
     scene, m = skeleton.scene, skeleton.nodes
-    v = np.concatenate([branch.v for branch in skeleton.branches])
+    branches = [_refined(branch) for branch in skeleton.branches]
+    v = np.concatenate([branch.v for branch in branches])
     if not np.isfinite(v).all():
         raise NotFollowed("a predicted state is not finite")
     v[:, m : 2 * m] += scene.profile[skeleton.first : skeleton.first + m]
@@ -45,12 +48,29 @@ def packed(skeleton: Skeleton) -> bytes:
         "closed": m == scene.nodes,  # the last node is next to the first
         "held": skeleton.held is not None,
         "period": skeleton.period,
-        "branches": [_branch(branch) for branch in skeleton.branches],
+        "branches": [_branch(branch) for branch in branches],
         "slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips],
     }
     text = json.dumps(head).encode()
-    loads = np.concatenate([branch.loads for branch in skeleton.branches])
+    loads = np.concatenate([branch.loads for branch in branches])
     return zlib.compress(struct.pack("<I", len(text)) + text + loads.tobytes() + row.tobytes() + rows.tobytes(), LEVEL)
+
+
+def _refined(branch):
+    """Return a Branch with states between its own until interpolation amplifies rounding by GAIN at most."""
+    while True:
+        t = branch.position(branch.loads)
+        t[-1] = 1.0
+        middles = branch.load_at((t[1:] + t[:-1]) / 2)
+        gains = np.abs(branch.weights(middles)).sum(axis=1)
+        if not gains.max(initial=0.0) > GAIN:
+            return branch
+        k = int(gains.argmax()) + 1
+        loads, v = (
+            np.insert(branch.loads, k, middles[k - 1]),
+            np.insert(branch.v, k, branch.unknowns(middles[k - 1 : k]), 0),
+        )
+        branch = Branch.of(loads, v, slip=branch.slip, periodic=branch.periodic)
 
 
 def _part(scene: Scene, first: int, nodes: int) -> tuple[int, int]:

@@ -19,6 +19,8 @@ from solver import LIMITS, Scene, advance
 from solver.presets import presets
 from solver.scene import PARAMETERS
 
+ROUNDED = 2 * packing.FINE + 0.002  # of the largest value: straight lines over frames and nodes, and the steps
+
 
 def all_at_work(pool):
     """Wait for the second worker of two."""
@@ -135,7 +137,7 @@ def test_a_flat_is_packed_with_only_the_drawn_nodes():
     frames, _ = advance(scene, None, np.inf)
     head, _, fields = unpacked(whole_run(scene).blocks[-1])
     assert head["nodes"] == packing.FLAT and head["first"] == (scene.nodes - packing.FLAT) // 2
-    assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=1e-4)
+    assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=ROUNDED)
 
 
 def test_packed_frames_match_the_solver():
@@ -152,25 +154,25 @@ def test_packed_frames_match_the_solver():
     assert left_out.size and left_out.min() > packing.SEEN * scene.delta_n
     assert set(fields) == set(last)
     for name, true in last.items():
-        assert np.abs(fields[name][-1] - true).max() <= 0.51 * head["scales"][name]  # rounding to int16
+        assert np.abs(fields[name][-1] - true).max() <= ROUNDED * 32767 * head["scales"][name]
 
 
 @pytest.mark.parametrize("surface", ["circular", "flat"])
-def test_compression_of_a_run_is_lossless(surface):
+def test_a_packed_run_has_exact_columns_and_fields_to_one_per_cent(surface):
+    """u_x to a few hundredths of a node spacing: by how many sites a node slips must not change."""
     scene = SHORT.changed(surface=surface, u_x_max=4.0)
     rows = [(frame, 0.1 * k) for k, frame in enumerate(advance(scene, None, 60.0)[0])]
     rows = [row for row in rows if row[0].first == rows[-1][0].first and row[0].u.shape == rows[-1][0].u.shape]
-    (head, *numbers), packed = packing.arrays(scene, rows, True), packing.pack(scene, rows, True)
-    assert len(packed) < 0.5 * sum(given.nbytes for given in numbers)
-    same, *restored = packing.unpack(packed)
-    assert same == json.loads(json.dumps(head))
-    for given, found, names in zip(numbers, restored, (head["columns"], head["scales"]), strict=True):
-        assert list(found) == list(names)
-        for values, name in zip(given, names, strict=True):
-            assert values.dtype == found[name].dtype
-            np.testing.assert_array_equal(values, found[name])
-    for name, column in packing.columns(packed)[1].items():
-        np.testing.assert_array_equal(column, restored[0][name])
+    (head, curves, whole), packed = packing.arrays(scene, rows, True), packing.pack(scene, rows, True)
+    assert len(packed) < 0.25 * (curves.nbytes + whole.nbytes)
+    same, columns, fields = unpacked(packed)
+    assert json.loads(json.dumps(head)).items() <= same.items()
+    for name, values in zip(head["columns"], curves, strict=True):
+        np.testing.assert_array_equal(values, columns[name])
+    for name, values in zip(packing.FIELDS, whole, strict=True):
+        within = ROUNDED * 32767 * head["scales"][name]
+        within = min(within, 3 * packing.SITES * scene.spacing) if name == "u_x" else within
+        np.testing.assert_allclose(fields[name], values * head["scales"][name], atol=within)
 
 
 def test_page_receives_the_number_of_compiled_kernels_during_warm_up(session):

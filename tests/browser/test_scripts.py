@@ -23,9 +23,12 @@ WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
 LOOP = SHORT.changed(path="loop", u_x_max=6.0)
 
 
+ROUNDED = 2 * packing.FINE + 0.002  # of the largest value: straight lines over frames and nodes, and the steps
+
+
 @cache
-def computed(scene):
-    """(frames, blocks): all frames of a scene, and the same packed in slices."""
+def computed(scene, fine=packing.FINE, step=packing.STEP):
+    """(frames, blocks): all frames of a scene, and the same packed in slices, that finely."""
     frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time
     blocks = []
     for piece in slices(scene, inf):  # a run that is cut differs by round-off
@@ -34,9 +37,17 @@ def computed(scene):
     return frames, blocks
 
 
+@pytest.fixture
+def finely(monkeypatch):
+    """Fields are packed as finely as int16 can, for tests of what is computed from them."""
+    monkeypatch.setattr(packing, "FINE", 1e-5)
+    monkeypatch.setattr(packing, "SITES", 1e-5)
+    monkeypatch.setattr(packing, "STEP", 1)
+
+
 def run_of(tab, scene):
     """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
-    frames, blocks = computed(scene)
+    frames, blocks = computed(scene, packing.FINE, packing.STEP)
     tab.evaluate(
         """async (blocks) => {
             const { Run } = await import("http://scripts/js/run.js")
@@ -121,7 +132,7 @@ def test_unpacked_frames_match_the_solver(tab):
         "T_t": -frame.T[0],  # shown positive where it resists
     }
     for name, values in true.items():
-        assert np.abs(np.array(shown[name]) - values).max() < 1e-3 * np.abs(values).max(), name  # int16
+        assert np.abs(np.array(shown[name]) - values).max() < ROUNDED * np.abs(values).max(), name
 
 
 def test_shear_values_exclude_the_approach(tab):
@@ -160,9 +171,9 @@ def test_contact_map_is_empty_where_no_traction_acts(tab):
         own[sent] = image[rows[sent], column]
         gap = WIDE.profile[nodes % WIDE.nodes] + frame.u[1]
         acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -packing.FREE * peak)
-        sure = np.abs(frame.T[1] + packing.FREE * peak) > 1e-3 * peak  # not on the limit, where int16 decides
+        sure = np.abs(frame.T[1] + packing.FREE * peak) > ROUNDED * peak  # not on the limit, where rounding decides
         assert (np.isfinite(own) == acts)[sure].all() and acts.any() and not acts.all()
-        assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=1e-3 * np.abs(frame.T[1]).max())
+        assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=ROUNDED * np.abs(frame.T[1]).max())
 
 
 def test_a_film_begins_with_the_frames_of_its_run(tab):
@@ -211,7 +222,7 @@ def test_axis_limits_are_rounded_up_to_simple_numbers(tab):
 
 
 @pytest.mark.parametrize("scene", [SHORT, SHORT.changed(nu=0.2, height=0.05), Scene(surface="flat", u_x_max=2.0)])
-def test_stress_inside_the_layer_equals_the_sum_over_all_modes(tab, scene):
+def test_stress_inside_the_layer_equals_the_sum_over_all_modes(tab, scene, finely):
     """To 5e-4 of the largest stress: tractions come as int16, and modes that are not felt at a depth are left out."""
     frame, rows, half = run_of(tab, scene)[-1], 40, 60.0
     depth = min(half, scene.height * scene.width)

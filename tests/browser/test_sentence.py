@@ -277,13 +277,14 @@ def wrong_of_change(run, before, text):
 def _peeled(frames, begun, k, where, more):
     """Whether the edges have moved inward where it is said so: half a site is worth a word, 1.3 times as far is more.
 
-    Both with a margin: what a page gets are tractions as int16.
+    Both with a margin: a page's tractions are right to packing.FINE of the largest, twice, which is a site where they
+    are small.
     """
     (left, right), (start, end) = edges(frames[k]), edges(frames[begun])
     inward = (left - start, end - right)
     behind, front = inward[::-1] if frames[k].stage == "back" else inward
     let_go = {"both": min(behind, front), "behind": behind, "front": front}[where]
-    further = {"": 1.0, "behind": behind - 1.2 * front, "front": front - 1.2 * behind}[more]
+    further = {"": 1.0, "behind": behind - 1.1 * front, "front": front - 1.1 * behind}[more]
     return let_go > 0.3 and further > 0.0
 
 

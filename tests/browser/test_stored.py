@@ -10,8 +10,8 @@ from tabs import Tabs
 from app.service import packing, stored, worker
 
 CURVES = 1e-3  # of the largest value: processors differ in round-off, and slips amplify it
-FIELDS = 0.06  # of the largest value: twice stored.APART, one for straight lines over nodes, with roundings
-SIDED = 3  # frames, with those beside it between which a stored run is interpolated
+FIELDS = 0.025  # of the largest value: two runs that each err by 2 packing.FINE, with roundings
+SIDED = 3  # frames, with those beside it between which a run is interpolated
 NOBODY = "tcp://127.0.0.1:9"  # the port "discard": no scheduler, thus no worker
 COMPARE = """async (texts) => {
     const { unpackLater } = await import("http://scripts/js/packed.js")

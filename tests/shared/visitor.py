@@ -98,7 +98,19 @@ def slices(scene, budget, **how):
 def unpacked(block):
     """(header, columns, fields in nm and GPa) of a packed block, by name."""
     head, columns, fields = packing.unpack(block)
-    return head, columns, {name: field * head["scales"][name] for name, field in fields.items()}
+    whole, kept = {}, head["kept"]
+    for name, few in fields.items():
+        at_nodes = _filled(few.T, kept["nodes"], head["nodes"]).T
+        whole[name] = _filled(at_nodes, kept["frames"], head["frames"]) * kept["step"] * head["scales"][name]
+    return head, columns, whole
+
+
+def _filled(few, kept, count):
+    """All rows of which few are kept, by straight lines."""
+    at = np.interp(np.arange(count), kept, np.arange(len(kept)))
+    before = at.astype(int)
+    after = np.minimum(before + 1, len(kept) - 1)
+    return few[before] + (at - before)[:, None] * (few[after].astype(float) - few[before])
 
 
 class NoPool:

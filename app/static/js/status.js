@@ -177,7 +177,5 @@ function showState(shown, text) {
 // A run that was computed in advance stands in for the one to come
 function tellStored(state) {
   showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
-  by("computed").textContent =
-    "This run was computed in advance. Its curves are exact; tractions and heights of nodes are "
-    + "stored to a few per cent of the largest."
+  by("computed").textContent = "This run was computed in advance."
 }
