@@ -18,19 +18,29 @@ AGEING = 6.0
 class Task(Future):
     """A call that a worker makes for an owner.
 
+    since: when its job began to wait, s, monotonic; now by default.
+
     Its exception is a `caller.Lost` if the worker ended before the call. The call may then be repeated, unless
     the kind is "error". `slot` is the slot that runs or ran it; `abandoned` is true when nobody waits for it.
     """
 
     def __init__(
-        self, call: tuple[Any, ...], owner: object = None, rank: int = SCREEN, limit: float = PATIENCE
+        self,
+        call: tuple[Any, ...],
+        owner: object = None,
+        rank: int = SCREEN,
+        limit: float = PATIENCE,
+        since: float | None = None,
     ) -> None:
         super().__init__()
         self.call, self.owner, self.rank, self.limit = call, owner, rank, limit
         self.slot: Any = None
         self.abandoned = False
         self.hear: Callable[[Any], None] | None = None  # receives the items of a generator
-        self.due = monotonic() + AGEING * rank  # s: of two waiting tasks, the one with the earlier time is first
+        now = monotonic()
+        # s: of two waiting tasks the earlier one is first. However old its job, a task does not go before those
+        # that are there
+        self.due = max(now, (now if since is None else since) + AGEING * rank)
 
 
 class FairQueue:

@@ -21,6 +21,7 @@ from contextlib import aclosing, suppress
 from functools import partial, reduce
 from operator import add
 from threading import RLock
+from time import monotonic
 from typing import Any
 
 from app.service import metrics
@@ -54,6 +55,7 @@ class Job:
         self.lost = 0
         self.listeners: list[Notify] = []
         self.task: Any = None  # the part in the pool, or None
+        self.since = monotonic()  # s: its parts are as old as it
         self.state = begin  # further arguments of the next part
         self.begun = self.done = self.shared = self.streams = self.heavy = False
 
@@ -171,7 +173,7 @@ class Jobs:
         job.begun = True
         how: dict[str, Any] = {"hear": partial(self._heard, job)} if job.streams else {}
         rank = max(job.rank, HEAVY) if job.heavy else job.rank
-        how |= {"owner": job.owner, "rank": rank, "seconds": job.seconds}
+        how |= {"owner": job.owner, "rank": rank, "seconds": job.seconds, "since": job.since}
         job.task = self.pool.submit(*job.call, *job.state, **how)
         job.task.add_done_callback(partial(self._returned, job))
 

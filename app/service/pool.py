@@ -109,14 +109,16 @@ class Pool:
         owner: object | None = None,
         rank: int = SCREEN,
         seconds: float = 0.0,
+        since: float | None = None,
         hear: Callable[[Any], None] | None = None,
     ) -> Task:
         """Add a call to the queue and return its Task.
 
-        seconds: its expected duration, at most. hear(item) is called with each item if the call returns a generator.
+        seconds: its expected duration, at most. since: when its job began to wait, s, monotonic. hear(item) is called
+        with each item if the call returns a generator.
         """
         self.start()
-        task = Task((call, *arguments), owner, rank, seconds + self.patience)
+        task = Task((call, *arguments), owner, rank, seconds + self.patience, since)
         task.hear = hear
         with self._lock:
             if self._closing.is_set() or self.status == "failing":

@@ -163,6 +163,22 @@ def test_a_slow_run_gets_a_turn_while_sliders_are_dragged_all_the_time(monkeypat
     assert abs(now[0] - HEAVY * AGEING) < 0.5 and served.count(slow) == 1  # HEAVY is two ranks above SCREEN
 
 
+def test_a_run_that_has_begun_waits_for_its_turn_only_once(monkeypatch):
+    """Each of its parts waited anew; but it never goes before what is there already."""
+    now = [0.0]
+    monkeypatch.setattr("app.service.fair_queue.monotonic", lambda: now[0])
+    queue = FairQueue()
+    now[0] = 10.0
+    waiting = [Task((), owner, SCREEN) for owner in "ab"]
+    begun = Task((), "c", EXACT, since=1.0)
+    for task in (*waiting, begun):
+        queue.add(task)
+    now[0] += 0.1
+    later = Task((), "e", SCREEN)
+    queue.add(later)
+    assert [queue.take() for _ in range(4)] == [*waiting, begun, later]
+
+
 def test_cache_keeps_the_most_recently_used_runs_within_its_capacity():
     one = size_of(Frames((bytes(60), bytes(40)), 1, 1, 0.0))
     run_cache = Cache(capacity=2.5 * one)

@@ -121,7 +121,7 @@ class NoPool:
     def __init__(self):
         self.tasks = []
 
-    def submit(self, *task, owner=None, rank=0, seconds=0.0, hear=None):
+    def submit(self, *task, owner=None, rank=0, seconds=0.0, since=None, hear=None):
         self.tasks.append(Task(task, owner, rank))
         self.tasks[-1].hear = hear
         return self.tasks[-1]
