@@ -113,7 +113,19 @@ def _html(doc, root):
     known = assets.content(bundle, bundle.stat().st_mtime_ns)[2]
     script = f'<script src="./static/js/bokeh.min.js?v={known}"></script>'
     item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
-    values = {
+    sections = "".join(map(pages.section, pages.listed()))
+    return html_page_for_render_items((script, ""), {}, [item], TITLE, template(sections), values(root))
+
+
+def template(sections: str) -> str:
+    """Return the page as a template of Jinja with the blocks postamble and contents; sections: its pages in HTML."""
+    page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
+    return page.replace("<!-- pages -->", sections).replace("<!-- dialogs -->", dialogs)
+
+
+def values(root: str) -> dict[str, Any]:
+    """Return what the template takes; root: address of scripts and styles."""
+    return {
         "root": root,
         "styles": assets.styles(),
         "scripts": sorted(map(assets.named, assets.needed(assets.STATIC / "js" / "main.js"))),
@@ -137,10 +149,6 @@ def _html(doc, root):
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
     }
-    page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
-    sections = "".join(map(pages.section, pages.listed()))
-    template = page.replace("<!-- pages -->", sections).replace("<!-- dialogs -->", dialogs)
-    return html_page_for_render_items((script, ""), {}, [item], TITLE, template, values)
 
 
 def _grouped():
@@ -157,7 +165,7 @@ def _stored(root):
     return {path.stem: f"{root}/{assets.named(path)}" for path in runs}
 
 
-def _declarations(root):
+def declarations(root: str) -> dict[str, Any]:
     """Return the declarations of presets, nodes and sliders that the browser needs."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
@@ -176,7 +184,7 @@ def _player(wire, slots, root):
         args={
             "wire": wire,
             "slots": slots,
-            "declarations": json.dumps(_declarations(root)),
+            "declarations": json.dumps(declarations(root)),
             "main": f"{root}/static/js/main.js",
         },
         code="""

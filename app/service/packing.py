@@ -29,9 +29,10 @@ ORDER = tuple(STAGES)  # what the column "stage" counts, but of path "points": s
 # attraction, no view shows them, and their gap would coarsen the scale of the others
 SEEN = 13.0
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per kept frame and node
-FINE, SITES = 0.003, 0.02  # error of a field between kept frames or nodes: of its largest value; of u_x in spacings
+FINE = 0.003  # error of a field between frames or nodes that are kept, of its largest value; and at most
+CLOSE, SITES = 0.02, 0.02  # that of the gap in delta_n, a pixel, and of u_x in node spacings
+STEPS = 3  # steps of a field within this error
 EVERY = 3  # nodes of which one decides which frames are kept
-STEP = 32  # resolution of a field in units of its scale: 0.1 % of its largest value
 LEVEL = 6  # of zlib
 FREE = 0.05  # of the peak adhesive traction phi_n / (e delta_n): a node beyond the peak, attracted less, is free
 LARGEST = ("residual", "widest", "overlap", "safe_damping", "sensitive")  # of Frames: of two parts the larger one
@@ -74,13 +75,16 @@ def pack(scene: Scene, rows: Any, last: bool) -> bytes:
     Of columns, as integers, the changes over frames are stored; of fields, in steps, those over frames and nodes.
     """
     head, columns, fields = arrays(scene, rows, last)
-    fine = {name: FINE * 32767 for name in FIELDS} | {"u_x": SITES * scene.spacing / head["scales"]["u_x"]}
-    values = fields / np.array(list(fine.values()), np.float32)[:, None, None]
+    at_most = {"gap": CLOSE * scene.delta_n, "u_x": SITES * scene.spacing}
+    fine = np.array([min(FINE * 32767, at_most.get(name, np.inf) / scale) for name, scale in head["scales"].items()])
+    values = fields / fine[:, None, None].astype(np.float32)
     frames = _kept(values[:, :, ::EVERY])
     nodes = _kept(values[:, frames].transpose(0, 2, 1))
-    most = 32767 // STEP  # a browser multiplies steps in int16
-    steps = np.rint(fields[:, frames][:, :, nodes] / STEP).clip(-most, most).astype("<i2")
-    return headed(head | {"kept": {"frames": frames, "nodes": nodes, "step": STEP}}, compressed(columns, steps))
+    step = np.maximum(1, fine // STEPS).astype(int)[:, None, None]
+    most = 32767 // step  # a browser multiplies in int16
+    few = np.rint(fields[:, frames][:, :, nodes] / step).clip(-most, most).astype("<i2")
+    kept = {"frames": frames, "nodes": nodes, "steps": step.ravel().tolist()}
+    return headed(head | {"kept": kept}, compressed(columns, few))
 
 
 def arrays(scene: Scene, rows: Any, last: bool) -> tuple[dict[str, Any], NDArray[np.float32], NDArray[np.int16]]:

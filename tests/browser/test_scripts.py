@@ -27,7 +27,7 @@ ROUNDED = 2 * packing.FINE + 0.002  # of the largest value: straight lines over 
 
 
 @cache
-def computed(scene, fine=packing.FINE, step=packing.STEP):
+def computed(scene, fine):
     """(frames, blocks): all frames of a scene, and the same packed in slices, that finely."""
     frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time
     blocks = []
@@ -41,13 +41,11 @@ def computed(scene, fine=packing.FINE, step=packing.STEP):
 def finely(monkeypatch):
     """Fields are packed as finely as int16 can, for tests of what is computed from them."""
     monkeypatch.setattr(packing, "FINE", 1e-5)
-    monkeypatch.setattr(packing, "SITES", 1e-5)
-    monkeypatch.setattr(packing, "STEP", 1)
 
 
 def run_of(tab, scene):
     """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
-    frames, blocks = computed(scene, packing.FINE, packing.STEP)
+    frames, blocks = computed(scene, packing.FINE)
     tab.evaluate(
         """async (blocks) => {
             const { Run } = await import("http://scripts/js/run.js")

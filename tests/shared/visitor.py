@@ -99,9 +99,9 @@ def unpacked(block):
     """(header, columns, fields in nm and GPa) of a packed block, by name."""
     head, columns, fields = packing.unpack(block)
     whole, kept = {}, head["kept"]
-    for name, few in fields.items():
+    for (name, few), step in zip(fields.items(), kept["steps"], strict=True):
         at_nodes = _filled(few.T, kept["nodes"], head["nodes"]).T
-        whole[name] = _filled(at_nodes, kept["frames"], head["frames"]) * kept["step"] * head["scales"][name]
+        whole[name] = _filled(at_nodes, kept["frames"], head["frames"]) * step * head["scales"][name]
     return head, columns, whole
 
 

@@ -22,7 +22,7 @@ import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
-import { declared, embedded, me, redraw, view } from "./store.js"
+import { alone, declared, embedded, me, redraw, view } from "./store.js"
 
 // wire: the Wire of this visitor; slots: {name: Column} for the figures of pages; declarations: JSON of looks {preset:
 // text}, usual {preset: values}, nodes {state: how it is drawn}, positions {slider: values} and reach (of
@@ -61,10 +61,10 @@ export function start({ wire, slots, declarations, index }) {
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
-  connection.connect()
+  if (!alone) connection.connect()
   opened()
   channel.order("hello")
-  if (!embedded) pages.openAsked()
+  if (!embedded && !alone) pages.openAsked()
   let kept = false // Share opens without the server, too, so that it comes while that is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return

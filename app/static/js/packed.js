@@ -57,7 +57,7 @@ function filledIn(few, kept, { frames, nodes }) {
       for (const [i, j, share] of along) {
         const now = few[first + i] + share * (few[first + j] - few[first + i])
         const then = few[second + i] + share * (few[second + j] - few[second + i])
-        fields[at++] = Math.round(kept.step * (now + part * (then - now)))
+        fields[at++] = Math.round(kept.steps[field] * (now + part * (then - now)))
       }
     }
   }

@@ -7,7 +7,7 @@ import { by, on, say, tell } from "./dom.js"
 import { fixed, minus, named } from "./quantities.js"
 import { describeAll, drawMarks } from "./sliders.js"
 import { sendNext } from "./steer.js"
-import { declared, me, view } from "./store.js"
+import { alone, declared, me, view } from "./store.js"
 import { inWords } from "./words.js"
 
 const ENDED = ["finished", "skipped", "failed"] // states of a run that goes no further
@@ -176,6 +176,10 @@ function showState(shown, text) {
 
 // A run that was computed in advance stands in for the one to come
 function tellStored(state) {
+  if (alone) {
+    tell(by("look"), declared.alone)
+    return showState("saved", "")
+  }
   showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
   by("computed").textContent = "This run was computed in advance."
 }

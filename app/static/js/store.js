@@ -5,6 +5,7 @@ import { chartsWait, paintCharts } from "./charts.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
+export const alone = "alone" in document.documentElement.dataset // a file without a server (app/stage.py)
 // Whether a part of *More* is in sight: of the page, or because the tour shows it at this stop
 const { dataset } = document.documentElement
 export const sees = (part) => "more" in dataset || Boolean(dataset.shows?.split(" ").includes(part))

@@ -1,0 +1,73 @@
+"""A run saved as one file: it is seen, played and scrubbed without a server and without a network."""
+
+import pytest
+
+from app.stage import Stage
+from solver import Scene, simulate
+from solver.presets import presets
+from solver.results import Result
+
+DRAWN = "globalThis.punch?.drawn > 0 && !punch.fresh"
+
+
+@pytest.fixture
+def opened(browser, tmp_path):
+    """opened(scene): the saved file of its run in a browser without a network; whatever it asks for is on record."""
+    context = browser.new_context(offline=True, viewport={"width": 1366, "height": 768})
+
+    def open_file(scene):
+        file, page = tmp_path / "punch.html", context.new_page()
+        page.asked, page.faults = [], []
+        page.on("request", lambda request: page.asked.append(request.url))
+        page.on("pageerror", lambda error: page.faults.append(str(error)))
+        Stage(simulate(scene), title="A <b>run</b>").save(file)
+        page.goto(file.as_uri())
+        page.wait_for_function(DRAWN)
+        return page
+
+    yield open_file
+    context.close()
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(u_x_max=14.0),
+        Scene(surface="flat", u_x_max=4.0),
+        Scene(path="unload"),
+        presets()["loop"].scene.changed(u_x_max=4.0),
+    ],
+    ids=lambda scene: f"{scene.surface} {scene.path}",
+)
+def test_a_saved_run_plays_and_scrubs_without_server_and_network(opened, scene):
+    page = opened(scene)
+    at = page.evaluate("punch.at")
+    page.wait_for_function(f"punch.at !== {at}")
+    page.locator("#play").click()
+    page.locator("#scrub").fill("3")
+    page.wait_for_function("punch.drawn === 3 && !punch.fresh")
+    assert page.locator("#sentence").text_content() and page.locator("#status b").text_content() == "saved"
+    assert page.evaluate("punch.run.length") == len(simulate(scene).frames)
+    assert all(address.startswith(("file:", "data:")) for address in page.asked) and page.faults == []
+    assert page.title() == "A <b>run</b>"
+    for part in ("header", ".controls", "#grab", "#lost"):
+        assert not page.locator(part).first.is_visible()
+
+
+def test_a_saved_run_names_its_scene(opened):
+    page = opened(Scene(E=50.0, u_x_max=3.0))
+    assert page.locator("#look").text_content() == "u_x_max = 3 nm, E = 50 GPa"
+
+
+def test_a_notebook_shows_a_stage_in_a_frame_of_its_own(browser):
+    page = browser.new_page()
+    page.set_content(f"<p>above</p>{Stage(simulate(Scene(u_x_max=3.0)))._repr_html_()}")
+    frame = page.frame_locator("iframe")
+    frame.locator("#status b", has_text="saved").wait_for()
+    page.frames[1].wait_for_function(DRAWN)
+    page.close()
+
+
+def test_a_result_without_frames_is_refused():
+    with pytest.raises(ValueError, match="no frames"):
+        Stage(Result(Scene(), ()))
