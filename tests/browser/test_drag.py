@@ -34,6 +34,15 @@ WATCH = """() => {  // what is on screen with every run that is painted whole
 }""" % (WORD, AXES, COLOURS)  # noqa: UP031
 
 
+ADHERING = """() => {  // pixels of the punch in the colour of nodes that adhere
+    const { canvas } = charts.punch, { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
+    let found = 0
+    for (let i = 0; i < data.length; i += 4)
+        if (data[i] === 0xd5 && data[i + 1] === 0x5e && data[i + 2] === 0 && data[i + 3] === 255) found++
+    return found
+}"""
+
+
 def grab(page, name):
     """Press the mouse on the thumb of a slider; returns where each of its positions is."""
     slider = page.locator(f"#{name}")
@@ -148,11 +157,11 @@ def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look
 
 
 def test_choosing_a_flat_while_paused_removes_the_nodes_of_the_punch(look):
-    page = paused(look, "?E=71.4")
-    assert page.evaluate("charts.punch.shown")
+    page = paused(look, "?E=71.4&theme=light")
+    assert page.evaluate(ADHERING) > 20
     page.locator("#row input[value='fig4a-blue']").evaluate("(radio) => radio.click()")
     page.wait_for_function("punch.run.head.flat && punch.run.whole && !punch.fresh", timeout=PATIENCE)
-    assert not page.evaluate("charts.punch.shown")  # nodes are drawn enlarged on the canvas over it
+    assert page.evaluate(ADHERING) == 0
 
 
 def test_force_arrows_keep_their_scale_while_the_stiffness_is_dragged(look):

@@ -45,7 +45,7 @@ def test_the_scale_of_the_fringes_is_in_sight_on_every_screen(look, query, sizes
 
 # [r, g, b, a] of the lowest painted pixel of a column at a fraction of the width of the plot: just above the surface
 LOWEST = """(part) => {
-    const canvas = document.getElementById('fringes'), { width, height } = canvas
+    const { picture: canvas } = charts.punch.parts.fringes, { width, height } = canvas
     const { data } = canvas.getContext('2d').getImageData(0, 0, width, height)
     const painted = (x, y) => data[4 * (y * width + x) + 3] > 200
     const columns = Array.from({ length: width }, (_, x) => x).filter((x) => painted(x, height >> 3))
@@ -81,7 +81,7 @@ def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
         assert page.locator(".of-stress:visible").inner_text().startswith("τ: pulls on")
         assert not page.locator("#fringe-bar").is_visible()
         stress.evaluate(CHOOSE, "plain")
-        page.locator("#fringes").wait_for(state="hidden")
+        page.wait_for_function("charts.punch.parts.fringes.picture === null")
     finally:
         stress.evaluate(CHOOSE, "fringes")
     page.wait_for_function("document.querySelector('.page').dataset.stress === 'fringes'")

@@ -170,8 +170,8 @@ def test_nodes_lie_on_the_curve_of_the_interface_law(look):
 def test_page_what_matters_marks_the_punch_while_it_is_open_and_a_bar_raises_its_parameter(look):
     page = look()
     colours = """(() => {
-        const story = document.getElementById("story"), pen = story.getContext("2d")
-        return [...pen.getImageData(0, 0, story.width, story.height).data].reduce((sum, value) => sum + value, 0)
+        const { canvas } = charts.punch, pen = canvas.getContext("2d")
+        return [...pen.getImageData(0, 0, canvas.width, canvas.height).data].reduce((sum, value) => sum + value, 0)
     })()"""
     finished(page)
     page.wait_for_function("!punch.fresh && punch.drawn === punch.run.length - 1")

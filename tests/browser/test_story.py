@@ -198,24 +198,24 @@ def test_slow_motion_without_a_slip_explains_why(look):
 
 
 SIZES = ((1920, 1080), (1440, 900), (1366, 657), (1280, 720), (1024, 768), (900, 600), (820, 1180), (390, 844))
-# keeps what is written over the punch, and where
+# keeps what is written over the punch, with a rim as nothing on axes has it, and where
 RECORD = """() => {
     if (window.written) return
     window.written = []
-    const pen = CanvasRenderingContext2D.prototype, { fillText, clearRect } = pen
+    const pen = CanvasRenderingContext2D.prototype, { strokeText, clearRect } = pen
     pen.clearRect = function (...box) {
-        if (this.canvas.id === 'story') written.length = 0
+        if (this.canvas === charts.punch.canvas) written.length = 0
         return clearRect.apply(this, box)
     }
-    pen.fillText = function (text, x, y) {
+    pen.strokeText = function (text, x, y) {
         const half = 0.4 * parseFloat(this.font.match(/([.\\d]+)px/)[1])
         const box = { text, left: x, right: x + this.measureText(text).width, top: y - half, bottom: y + half }
-        if (this.canvas.id === 'story') written.push(box)
-        return fillText.call(this, text, x, y)
+        if (this.canvas === charts.punch.canvas) written.push(box)
+        return strokeText.call(this, text, x, y)
     }
 }"""
 OVER_EACH_OTHER = """() => {
-    const { left, top } = document.getElementById('story').getBoundingClientRect()
+    const { left, top } = charts.punch.canvas.getBoundingClientRect()
     const place = (id) => document.getElementById(id).getBoundingClientRect()
     const said = ['film', 'slow'].map((text) => [text, place(text)]).filter(([, box]) => box.width)
     const found = [], all = [...written, ...said.map(([text, box]) => (

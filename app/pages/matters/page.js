@@ -1,12 +1,11 @@
 // The page "What matters": a bar for each parameter, and below the punch how much each node holds until the first slip.
 
-import { charts } from "../../static/js/charts.js"
 import { by, make, makeButton, on } from "../../static/js/dom.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
 import { minus } from "../../static/js/quantities.js"
 import { enter } from "../../static/js/steer.js"
-import { me, redrawCanvases } from "../../static/js/store.js"
+import { me, redrawPunch } from "../../static/js/store.js"
 import { inWords } from "../../static/js/words.js"
 
 const MORE = 1.05 // times the value, after a click
@@ -21,7 +20,7 @@ export function receive({ matters }) {
   if (matters === result) return
   result = matters ?? null
   drawBars()
-  redrawCanvases()
+  redrawPunch()
 }
 
 const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ? "0" : Math.abs(value).toFixed(2)} %`
@@ -50,11 +49,9 @@ function raise(name) {
 }
 
 // Below the punch, with every frame: how much each node holds
-export function over(run, k) {
-  const box = result && !run.head.flat ? charts.punch.box : null
-  if (!box) return
+export function over(pen, box, run, k) {
+  if (!result || run.head.flat) return
   const { drawn: x } = drawnFrame(run, k), { first } = run.headOf(k), { nodes } = result, ink = inks()
-  const pen = by("story").getContext("2d")
   const most = Math.max(...nodes.map(Math.abs), 1e-12), wide = Math.max(2, 0.7 * box.across * run.head.spacing)
   x.forEach((at, i) => {
     const share = nodes[first + i - result.first] ?? 0, high = (Math.abs(share) / most) * HIGH

@@ -4,20 +4,21 @@
 import { charts } from "./charts.js"
 import { isShown, sizeOf } from "./colours.js"
 import { by } from "./dom.js"
-import { cleared, inks, line, size, within, write } from "./pen.js"
+import { inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { minus } from "./quantities.js"
+import { me } from "./store.js"
 
 const GAP = 10 // px between both
 const LABEL = 4 // times the size of the text, for a number of a place
 const ABOVE = 1.3 // times the size of the text, for what is above zero
 const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 
-export function drawBands(run, k) {
-  const canvas = by("bands"), box = charts.punch.box, pen = box && isShown(canvas) ? cleared(canvas) : null
-  if (!pen) return
-  const { drawn: x, T_n, T_t } = drawnFrame(run, k), ink = inks(), { start, end } = charts.punch.x
-  const row = 1.35 * size(), high = sizeOf(canvas)[1] - row - 4
+export function drawBands(pen, box) {
+  if (!me.picture || !isShown(by("bands"))) return
+  const { run, k } = me.picture, { drawn: x, T_n, T_t } = drawnFrame(run, k)
+  const ink = inks(), { start, end } = charts.punch.x
+  const from = sizeOf(by("punch-view"))[1], row = 1.35 * size(), high = from + sizeOf(by("bands"))[1] - row - 4
   const normal = {
     of: T_n, up: Math.max(run.T_high, LEAST), low: Math.min(run.T_low, -LEAST), inks: [ink.repulsive, ink.adhering],
     says: ["pushes apart", "pulls together"],
@@ -27,18 +28,18 @@ export function drawBands(run, k) {
   }
   // of both the same; a low one gets the room above zero that its label needs
   const bands = [normal, shear], least = ABOVE * size()
-  const scaleOf = (low) => (high - bands.length * GAP - low.length * least)
+  const scaleOf = (low) => (high - from - bands.length * GAP - low.length * least)
     / bands.reduce((GPa, band) => GPa - band.low + (low.includes(band) ? 0 : band.up), 0)
   const whole = scaleOf([]), scale = scaleOf(bands.filter(({ up }) => up * whole < least))
   if (scale <= 0) return // no room
   const view = { pen, ink, box }
-  let top = 0
+  let top = from
   for (const band of bands) {
     const zero = top + GAP / 2 + Math.max(band.up * scale, least), bottom = zero - band.low * scale + GAP / 2
     drawBand(view, { ...band, top, zero, bottom, scale }, x)
     top = bottom
   }
-  drawScale(view, GAP / 2, scale, row, high)
+  drawScale(view, from + GAP / 2, scale, row, high)
   drawPlaces(view, start, end, high + 2, row)
 }
 

@@ -1,4 +1,4 @@
-// A chart on a canvas of its own: axes, a grid, and parts that are painted in order. Sizes are in px of the page.
+// A chart on a canvas: axes, a grid, and parts that are painted in order. Sizes are in px of the page.
 
 import { colour, isShown, sizeOf, textSize } from "./colours.js"
 import { minus } from "./quantities.js"
@@ -94,11 +94,12 @@ const PAINTERS = {
     pen.fillRect(left, Y(0), width, Math.max(0, top + height - Y(0)))
     pen.globalAlpha = 1
   },
-  // {picture, x, y, wide, high}: a canvas over a rectangle, its first row at the bottom
-  image(pen, { X, Y }, { picture, x, y, wide, high }) {
+  // {picture, x, y, wide, high, smooth, alpha}: a canvas over a rectangle, its first row at y
+  image(pen, { X, Y }, { picture, x, y, wide, high, smooth = false, alpha = 1 }) {
     if (!picture) return
-    pen.imageSmoothingEnabled = false
     pen.save()
+    pen.imageSmoothingEnabled = smooth
+    pen.globalAlpha = alpha
     pen.translate(X(x), Y(y))
     pen.scale((X(x + wide) - X(x)) / picture.width, (Y(y + high) - Y(y)) / picture.height)
     pen.drawImage(picture, 0, 0)
@@ -128,19 +129,21 @@ const PAINTERS = {
     const ends = [box.top, box.top + box.height]
     PAINTERS.line(pen, { X: box.X, Y: (y) => y }, { x: [at, at], y: ends, ink, width }, thick)
   },
+  // {draw}: what another script draws
+  drawing(pen, box, { draw }) { draw(pen, box) },
 }
 
 export class Chart {
   changed = true // since it was painted
-  shown = true // whether its parts are
   axis = true // whether the axis under it is
   pointed = null // where the mouse is, {x, y} px in the canvas
+  under = () => {} // draws what lies under the axes
   says = () => null // lines of text about a place {x, y}, given also in px of the canvas; null: nothing
 
   // parts: {label: {kind, ...}}, painted in this order
   constructor(view, { x, y, across, up, parts }) {
     Object.assign(this, { view, x, y, across, up, parts })
-    this.canvas = view.querySelector("canvas.chart")
+    this.canvas = view.closest("figure").querySelector(".chart")
   }
 
   // Change what a part is made of
@@ -166,7 +169,7 @@ export class Chart {
 
   // The frame within the axes, px, and the px of its places; null while it is not in sight
   get box() {
-    const [wide, high] = sizeOf(this.canvas), size = textSize(), { x, y } = this
+    const [wide, high] = sizeOf(this.view), size = textSize(), { x, y } = this
     const under = this.axis ? TICK + 2.6 * size + 8 : BOTTOM
     const width = wide - LEFT - (size > LARGE ? 34 : RIGHT), height = high - TOP - under
     if (!(width > 0 && height > 0)) return null
@@ -189,9 +192,9 @@ export class Chart {
     const thick = textSize() > LARGE ? THICK : 1
     this.#paintAxes(pen, box)
     within(pen, box, () => {
-      for (const part of Object.values(this.parts))
-        if (this.shown || part.kind === "below") PAINTERS[part.kind](pen, box, part, thick)
+      for (const part of Object.values(this.parts)) PAINTERS[part.kind](pen, box, part, thick)
     })
+    this.under(pen, box)
     if (this.pointed) this.#tell(pen, box)
   }
 

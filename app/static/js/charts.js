@@ -13,6 +13,7 @@ const none = { x: [], y: [] }
 const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
 const pins = () => ({ kind: "lines", list: [] })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
+const drawing = () => ({ kind: "drawing", draw: () => {} })
 const ways = () => ({ kind: "marks", marker: "right", size: 11, ink: "--text", ...none }) // heads along a curve
 
 const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
@@ -24,9 +25,10 @@ export function makeCharts(nodes) {
     [state, { kind: "marks", marker, size, ink: colour, ...none }])
   charts.punch = new Chart(view("punch"), { x: { ...place }, y: { start: -1.2, end: 7 },
     across: "x on the substrate, from the middle (nm)", up: "height (nm)", parts: {
-      substrate: { kind: "below", ink: "--text", alpha: 0.12 },
+      fringes: { kind: "image", picture: null, smooth: true }, substrate: { kind: "below", ink: "--text", alpha: 0.12 },
       body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
       sites: line("--text", { width: 2.5 }), ...Object.fromEntries(states), pins: pins(),
+      story: drawing(), page: drawing(),
     } })
   charts.forces = new Chart(view("forces"), { x: { ...path }, y: { start: -1, end: 2 },
     across: "", up: "F, L (N/m)", parts: {

@@ -2,12 +2,13 @@
 
 import { drawBands } from "./bands.js"
 import { drawLines, drawSurfaces } from "./beside.js"
+import { charts } from "./charts.js"
 import { drawCurves, drawMap } from "./curves.js"
 import { by } from "./dom.js"
 import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
-import { cost, cover, frame, me, memory, set, touch } from "./store.js"
+import { cost, frame, me, memory, set, touch } from "./store.js"
 import { drawStory, tellNow } from "./story.js"
 import { tellFrame } from "./words.js"
 
@@ -21,7 +22,9 @@ let timer = 0
 
 export function connect() {
   frame(["run", "ghost", "pins", "at", "preview", "film", "playing", "dragging", "following", "look"], draw)
-  cover(["picture"], drawCanvases)
+  frame(["picture"], drawPunch)
+  charts.punch.fill("story", { draw: drawStory })
+  charts.punch.under = drawBands
 }
 
 // The increment to show: that pointed at, or played at
@@ -80,12 +83,12 @@ function drawIncrement(run, k) {
   me.picture = { run, k }
 }
 
-function drawCanvases() {
+// The punch is painted anew, whatever of it has changed
+function drawPunch() {
   if (!me.picture) return
   const { run, k } = me.picture
   drawFringes(run, k)
-  drawBands(run, k)
-  drawStory(run, k) // last: it moves the lens, after which the sizes of canvases would be computed again
+  charts.punch.changed = true
   if (run !== me.run) return
   if (me.drawn < 0) document.querySelector(".page").dataset.drawn = "" // figures come into sight
   me.drawn = k

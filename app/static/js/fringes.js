@@ -1,12 +1,12 @@
 // Stress inside the punch: photoelastic fringes, lines of equal shear stress, or one component with its sign.
 
 import { charts } from "./charts.js"
-import { bytes, isShown } from "./colours.js"
-import { by, keep, kept, on } from "./dom.js"
+import { bytes, isShown, theme } from "./colours.js"
+import { by, keep, kept, make, on } from "./dom.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
 import { drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
-import { me, redrawCanvases } from "./store.js"
+import { me, redrawPunch } from "./store.js"
 
 // of the picture in pixels, and in how many columns and rows stress is summed; half as many while a slider is held
 const ROWS = 60
@@ -17,6 +17,8 @@ const WAVES = 9 // of the shortest mode in half of the width shown
 const ORDERS = 3 // fringes in the key; the colours of a component end at so many
 const COMPONENTS = { zz: ZZ, xx: XX, xz: XZ }
 const BAR = 9 // px, as the top is drawn by story.js
+const LIGHT = 0.3, SIGNED = 0.7, DARK = 0.4 // opacity: calm enough for what stands over it
+const sheet = make("canvas")
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
 
@@ -25,12 +27,12 @@ export function connectFringes() {
   if (!chosen()) by("stress").value = "fringes"
   on("stress", "change", () => {
     keep("fringes", chosen())
-    redrawCanvases()
+    redrawPunch()
   })
   by("fringe").value = kept("fringe") ?? by("fringe").value
   on("fringe", "change", ({ target }) => {
     keep("fringe", target.value)
-    redrawCanvases()
+    redrawPunch()
   })
 }
 
@@ -41,7 +43,7 @@ const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only th
 // The key: the colours of the first orders or of both signs, and the stress at which they end
 let keyed = ""
 function drawKey() {
-  const { theme } = document.documentElement.dataset, what = chosen(), wanted = `${theme} ${perFringe()} ${what}`
+  const what = chosen(), wanted = `${theme()} ${perFringe()} ${what}`
   if (wanted === keyed) return
   keyed = wanted
   document.querySelector(".page").dataset.stress = what
@@ -49,11 +51,11 @@ function drawKey() {
   for (const key of document.querySelectorAll(".of-stress")) key.hidden = key.dataset.stress !== what
   const most = digits(ORDERS * perFringe(), 2)
   by("fringe-most").textContent = `${most} GPa`
-  if (what === "fringes") drawBar(by("fringe-bar"), inksOf(theme).subarray(0, ORDERS * SHADES))
+  if (what === "fringes") drawBar(by("fringe-bar"), inksOf(theme()).subarray(0, ORDERS * SHADES))
   if (!(what in COMPONENTS)) return
   keyOf(what).querySelector(".stress-low").textContent = `−${most}`
   keyOf(what).querySelector(".stress-high").textContent = `+${most} GPa`
-  drawBar(keyOf(what).querySelector("canvas"), signedInks(what, theme))
+  drawBar(keyOf(what).querySelector("canvas"), signedInks(what, theme()))
 }
 
 function drawBar(bar, inks) {
@@ -72,35 +74,30 @@ function tableNow({ head: { scene } }, half) {
 }
 
 export function drawFringes(run, k) {
-  const canvas = by("fringes"), { punch } = charts, box = isShown(by("punch-view")) ? punch.box : null
+  const { punch } = charts, box = isShown(by("punch-view")) ? punch.box : null
   if (!box) return
   drawKey()
   const { table, deep } = chosen() === "plain" || run.head.flat || run.apart ? {} : tableNow(run, punch.x.end)
-  canvas.hidden = !table
+  punch.fill("fringes", { picture: table ? sheet : null })
   if (!table) return
-  const { left, top, width, height } = box, place = [left, top + BAR, width, height - BAR].join()
-  if (canvas.dataset.place !== place) { // the browser enlarges the picture, at no cost to the page
-    canvas.dataset.place = place
-    Object.assign(canvas.style,
-      { left: `${left}px`, top: `${top + BAR}px`, width: `${width}px`, height: `${height - BAR}px` })
-  }
-  const size = me.dragging ? COARSE : FINE, stress = ordersIn(run, k, table, punch.x.end, size)
-  paintSheet(canvas, run, k, punch, { ...size, orders: stress, part: (height - BAR) / height, depth: deep })
+  const size = me.dragging ? COARSE : FINE, orders = ordersIn(run, k, table, punch.x.end, size)
+  const { start, end } = punch.x, low = punch.y.start, high = punch.y.end - BAR / box.up
+  paintSheet(run, k, { ...size, orders, half: end, low, top: high, depth: deep })
+  const light = chosen() in COMPONENTS ? SIGNED : LIGHT, alpha = theme() === "dark" ? DARK : light
+  punch.fill("fringes", { x: start, wide: end - start, y: high, high: low - high, alpha })
 }
 
 // The body in the pixels of a small picture of the view below the top: each column of material from where its surface
-// is to where it hangs on the top. part: of the view's height, that is below the top; depth: of what is shown, in
-// parts of the table
-function paintSheet(canvas, run, k, { x: across, y: up }, { wide, high: tall, columns, rows, orders, part, depth }) {
-  if (canvas.width !== wide) Object.assign(canvas, { width: wide, height: tall })
-  const pen = canvas.getContext("2d"), pixels = pen.createImageData(wide, tall)
+// is to where it hangs on the top. half: of the width, low and high: the ends of the height, nm; depth: of what is
+// shown, in parts of the table
+function paintSheet(run, k, { wide, high: tall, columns, rows, orders, half, low, top: high, depth }) {
+  if (sheet.width !== wide) Object.assign(sheet, { width: wide, height: tall })
+  const pen = sheet.getContext("2d"), pixels = pen.createImageData(wide, tall)
   const shades = new Uint32Array(pixels.data.buffer)
   const { drawn: x, gap, times } = drawnFrame(run, k), { first, spacing, middle } = run.headOf(k)
   const U_x = times * run.top(k)
-  const { theme } = document.documentElement.dataset, signed = chosen() in COMPONENTS
-  const inks = signed ? signedInks(chosen(), theme) : inksOf(theme), zero = signed ? ORDERS * SHADES : 0
-  const half = across.end, nm = (2 * half) / wide, high = up.end - (1 - part) * (up.end - up.start)
-  const step = (high - up.start) / tall
+  const signed = chosen() in COMPONENTS, nm = (2 * half) / wide, step = (high - low) / tall
+  const inks = signed ? signedInks(chosen(), theme()) : inksOf(theme()), zero = signed ? ORDERS * SHADES : 0
   for (let c = 0, i = 0; c < wide; c++) {
     const at = -half + (c + 0.5) * nm
     while (i < x.length - 2 && x[i + 1] < at) i++
@@ -126,19 +123,19 @@ function paintSheet(canvas, run, k, { x: across, y: up }, { wide, high: tall, co
 
 // The colours of fringe orders, as bytes: bright where nothing is sheared on a light page, dark on a dark one
 const inked = {}
-function inksOf(theme) {
-  return (inked[theme] ??=
+function inksOf(ground) {
+  return (inked[ground] ??=
     Uint32Array.from({ length: 16 * SHADES }, (_, i) => CHANNELS.reduce((ink, longer, channel) => {
     const light = 0.5 - 0.5 * Math.cos((2 * Math.PI * i) / SHADES / longer)
-    return (ink | (Math.round(255 * (theme === "dark" ? light : 1 - light)) << (8 * channel))) >>> 0
+    return (ink | (Math.round(255 * (ground === "dark" ? light : 1 - light)) << (8 * channel))) >>> 0
   }, 0xff000000)))
 }
 
 // The colours of a component from -ORDERS to ORDERS fringes, as bytes: that of the page where there is no stress
 const signs = {}
-function signedInks(component, theme) {
+function signedInks(component, ground) {
   const { below, above } = keyOf(component).dataset
-  return (signs[`${component} ${theme}`] ??= Uint32Array.from({ length: 2 * ORDERS * SHADES + 1 }, (_, i) => {
+  return (signs[`${component} ${ground}`] ??= Uint32Array.from({ length: 2 * ORDERS * SHADES + 1 }, (_, i) => {
     const part = i / (ORDERS * SHADES) - 1, from = bytes("--page"), to = bytes(part < 0 ? below : above)
     return from.reduce((ink, byte, channel) =>
       (ink | (Math.round(byte + (to[channel] - byte) * Math.abs(part)) << (8 * channel))) >>> 0, 0xff000000)

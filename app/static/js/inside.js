@@ -2,7 +2,7 @@
 // (solver/analysis/interior.py), sent once for a geometry.
 
 import { order, take } from "./channel.js"
-import { redrawCanvases } from "./store.js"
+import { redrawPunch } from "./store.js"
 
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/extras.py
 const KEPT = 3 // of each
@@ -26,7 +26,7 @@ export function connectInside() {
     const table = tableOf(message)
     keep(tables, keyOf(table.geometry, table.asked), table)
     asked = ""
-    redrawCanvases()
+    redrawPunch()
   })
 }
 

@@ -5,7 +5,7 @@ import { by, closest, on, onDrag, tell } from "./dom.js"
 import { line, write } from "./pen.js"
 import { sideways } from "./punch.js"
 import { digits, fixed } from "./quantities.js"
-import { me, redrawCanvases, sees } from "./store.js"
+import { me, redrawPunch, sees } from "./store.js"
 
 const ACROSS = 13 // nm seen in the lens
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
@@ -164,7 +164,7 @@ export function connectLens() {
   const move = (nm) => {
     const { start, end } = charts.punch.x
     lens.place = Math.max(start, Math.min(end, (lens.place ?? Number(grip.getAttribute("aria-valuenow"))) + nm))
-    redrawCanvases()
+    redrawPunch()
   }
   onDrag(grip, (event) => {
     grip.setPointerCapture(event.pointerId)
@@ -173,10 +173,10 @@ export function connectLens() {
     return { x: event.clientX }
   }, (event, last) => {
     const { start, end } = charts.punch.x
-    move(((event.clientX - last.x) * (end - start)) / by("story").clientWidth)
+    move(((event.clientX - last.x) * (end - start)) / by("punch-view").clientWidth)
     last.x = event.clientX
   })
-  on("lens", "dblclick", () => { lens.place = null; redrawCanvases() })
+  on("lens", "dblclick", () => { lens.place = null; redrawPunch() })
   on("lens", "keydown", (event) => {
     const spacing = me.run?.head.spacing ?? 1
     const steps = { ArrowLeft: -spacing, ArrowRight: spacing, PageDown: -10 * spacing, PageUp: 10 * spacing }

@@ -1,13 +1,14 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
 // app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), receive(news),
-// which are {} as it closes, frame(run, k) with every frame, and over(run, k) after the charts are painted.
+// which are {} as it closes, frame(run, k) with every frame, and over(pen, box, run, k) over the punch.
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
 import { release } from "./bokeh.js"
+import { charts } from "./charts.js"
 import { by, fetched, readdress } from "./dom.js"
 import { adopt, drawn, forget, shade } from "./figures.js"
-import { cover, declared, me, redraw, view } from "./store.js"
+import { declared, me, redraw, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
@@ -26,7 +27,7 @@ export function connect(given) {
   addEventListener("popstate", showAddressed)
   view(["look"], shadeImages)
   view(["picture"], () => framePage("frame"))
-  cover(["picture"], () => framePage("over"))
+  charts.punch.fill("page", { draw: (...punch) => framePage("over", ...punch) })
 }
 
 // A research page opens with the scene on screen
@@ -132,7 +133,7 @@ function shadeImages() {
 }
 
 // The increment on screen, for the page
-function framePage(what) {
+function framePage(what, ...punch) {
   const { run, k } = me.picture ?? {}
-  if (run && run === me.run) call(what, run, k)
+  if (run && run === me.run) call(what, ...punch, run, k)
 }

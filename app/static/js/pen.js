@@ -1,7 +1,6 @@
 // Drawing on a canvas: text, arrows, and the colours of style.css.
 
 import { colour, sizeOf, textSize } from "./colours.js"
-import { make } from "./dom.js"
 
 // The pen of an emptied canvas, in pixels of the page; null while it has no size
 export function cleared(canvas) {
@@ -15,11 +14,6 @@ export function cleared(canvas) {
   pen.setTransform(ratio, 0, 0, ratio, 0, 0)
   pen.clearRect(0, 0, width, height)
   return pen
-}
-
-// A canvas over a curve
-export function over(view) {
-  return document.querySelector(`.view[data-view="${view}"]`).appendChild(make("canvas", { className: "story" }))
 }
 
 // A line through places, px

@@ -85,7 +85,6 @@ export function fitFrames(run) {
   if (others) {
     readAgain() // other views are in sight
     shareAxis()
-    punch.shown = !flat // lens.js draws a flat
   }
   const spare = flat || others ? 0 : TAIL
   const wide = settled(punch.x.end, seen(run, half), spare), tall = settled(map.y.end, half, spare)

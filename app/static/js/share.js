@@ -44,25 +44,13 @@ const views = () => [...Object.keys(charts), ...Object.keys(figures)].flatMap((n
 const captionOf = (view) => view.closest("figure")?.querySelector("figcaption")
 const titleOf = (view) => (captionOf(view)?.querySelector("b") ?? captionOf(view))?.textContent.trim() ?? "view"
 
-// A view as it is on screen: all of its canvases, and the bands of the tractions below the punch
+// A view as it is on screen
 export async function png(name) {
-  const view = holder(name), box = view.getBoundingClientRect(), { clientWidth: width } = view
-  const plot = name in figures ? pictureOf(figures[name]) : null
-  const drawn = plot ? [] : [...view.parentElement.querySelectorAll(".view canvas, .view + canvas")]
-  const scale = (plot ?? charts[name].canvas).width / width
-  const below = drawn.find((one) => one.parentElement !== view && one.clientHeight)?.getBoundingClientRect()
-  const height = (below ?? box).bottom - box.top
-  const canvas = make("canvas", { width: width * scale, height: height * scale })
-  const pen = canvas.getContext("2d")
+  const drawn = charts[name]?.canvas ?? pictureOf(figures[name]), { width, height } = drawn
+  const canvas = make("canvas", { width, height }), pen = canvas.getContext("2d")
   pen.fillStyle = colour("--page")
-  pen.fillRect(0, 0, canvas.width, canvas.height)
-  for (const part of plot ? [plot] : drawn) {
-    const place = part === plot ? box : part.getBoundingClientRect()
-    if (!place.width || !part.width) continue
-    pen.globalAlpha = part === plot ? 1 : Number(getComputedStyle(part).opacity)
-    pen.drawImage(part, (place.left - box.left) * scale, (place.top - box.top) * scale, place.width * scale,
-      place.height * scale)
-  }
+  pen.fillRect(0, 0, width, height)
+  pen.drawImage(drawn, 0, 0)
   return new Promise((done) => canvas.toBlob(done, "image/png"))
 }
 

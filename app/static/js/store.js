@@ -30,7 +30,7 @@ const fields = {
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 
-const views = [], frames = [], covers = [] // {draw, due}
+const views = [], frames = [] // {draw, due}
 const watchers = Object.fromEntries(Object.keys(fields).map((name) => [name, []])) // {field: those that watch it}
 
 function watch(list, names, draw) {
@@ -44,8 +44,6 @@ function watch(list, names, draw) {
 export const view = (names, draw) => watch(views, names, draw)
 // Call `draw` in the next animation frame, before the charts are painted
 export const frame = (names, draw) => watch(frames, names, draw)
-// Call `draw` once they are painted: for canvases that lie over them
-export const cover = (names, draw) => watch(covers, names, draw)
 
 // Mark what watches these fields, as their contents have changed
 export function touch(...names) {
@@ -84,7 +82,7 @@ export const cost = { of: 0, ended: 0 } // ms that the last picture took, and wh
 function runViews() {
   viewing = false
   drawAll(views)
-  if (painting || !([...frames, ...covers].some(({ due }) => due) || chartsWait())) return
+  if (painting || !(frames.some(({ due }) => due) || chartsWait())) return
   painting = true
   requestAnimationFrame(paint)
 }
@@ -93,7 +91,6 @@ function paint() {
   const begun = performance.now()
   drawAll(frames)
   paintCharts()
-  drawAll(covers)
   const ended = performance.now()
   Object.assign(cost, { of: ended - begun, ended })
   painting = false
@@ -113,8 +110,8 @@ function drawAll(list) {
 
 // Draw everything anew
 export const redraw = () => { me.look++ }
-// Draw canvases and pages anew
-export const redrawCanvases = () => touch("picture")
+// Draw the punch and pages anew
+export const redrawPunch = () => touch("picture")
 
 // Whether any of some values is another than before
 export function memory() {

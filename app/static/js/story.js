@@ -1,9 +1,9 @@
-// The story over the punch: who pulls, what holds, what lets go. One canvas above the figure, drawn with every frame.
+// The story over the punch: who pulls, what holds, what lets go. Drawn with every frame.
 
 import { charts } from "./charts.js"
 import { by, tell } from "./dom.js"
 import { drawLattice, drawLens } from "./lens.js"
-import { arrow, cleared, inks, line, size, within, write } from "./pen.js"
+import { arrow, inks, line, size, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
 import { fixed, withUnit } from "./quantities.js"
 import { changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
@@ -20,26 +20,21 @@ const LENS = 0.5 // of the width, beyond which the lens does not reach as the pa
 const WIDE = 52 // times the size of the text, from which there is room for whole sentences
 const PATCHES = 8 // with a bracket each; more are described in words
 
-// Draw everything that belongs to frame k of a run over the punch
-export function drawStory(run, k) {
-  const box = charts.punch.box, pen = cleared(by("story"))
-  if (!box || !pen) return
-  const { X, Y } = box, frame = drawnFrame(run, k)
-  const slip = run.slipBefore(k, MARKED)
+// Draw over the punch everything that belongs to the picture
+export function drawStory(pen, box) {
+  if (!me.picture) return
+  const { run, k } = me.picture, { X, Y } = box, frame = drawnFrame(run, k), slip = run.slipBefore(k, MARKED)
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
-  within(pen, box, () => {
-    if (run.head.flat) drawLattice(view)
-    else {
-      drawMesh(view)
-      if (slip !== null) drawMoved(view)
-      drawEdges(view)
-    }
-    drawTop(view)
-  })
+  if (run.head.flat) drawLattice(view)
+  else {
+    drawMesh(view)
+    if (slip !== null) drawMoved(view)
+    drawEdges(view)
+  }
+  drawTop(view)
   drawForces(view)
   if (run.head.flat) by("lens").hidden = true
   else drawLens(view)
-  by("slow").hidden = !exact(run) || run.slipBefore(k) === null
 }
 
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
@@ -181,6 +176,7 @@ export function tellNow(run, k) {
   const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
   const said = saidNext(sentence, next, { moving, k, run, dragging: me.dragging, time: performance.now() })
   tell(by("sentence"), said.text)
+  by("slow").hidden = !exact(run) || run.slipBefore(k) === null
   sentence = said
   const wanted = [run, me.ghost, run.whole]
   if (wanted.every((what, i) => what === compared[i])) return

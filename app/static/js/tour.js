@@ -8,7 +8,7 @@ import { goto, play } from "./player.js"
 import { fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
-import { cover, exact, me, redraw, set, view } from "./store.js"
+import { exact, frame, me, redraw, set, view } from "./store.js"
 import { drawSprings } from "./tour/springs.js"
 import { STOPS } from "./tour/stops.js"
 import { choose, lettersAreKeys } from "./view.js"
@@ -49,8 +49,8 @@ function makeCard() {
   document.addEventListener("keydown", onDigit)
   document.querySelector(".views").append(made)
   view(["status", "run", "lost", "stale", "drawn"], watch)
-  cover(["picture", "run", "look"], hideFuture)
-  cover(["look"], drawReason)
+  frame(["drawn", "run", "look"], hideFuture)
+  frame(["look"], drawReason)
   return made
 }
 

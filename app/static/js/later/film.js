@@ -3,11 +3,11 @@
 import { charts } from "../charts.js"
 import { order, take } from "../channel.js"
 import { by, on } from "../dom.js"
-import { cleared, inks, line, over, size, write } from "../pen.js"
+import { inks, line, size, write } from "../pen.js"
 import { goto, toggle } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
-import { cover, exact, me, now, redraw, view } from "../store.js"
+import { exact, frame, me, now, redraw, view } from "../store.js"
 
 const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
@@ -76,6 +76,7 @@ function receive({ why, ...chunk }) {
   useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
   widenForces(film.frames.curves.F)
+  charts.forces.parts.motion = { kind: "drawing", draw: drawTrace }
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
 }
@@ -111,13 +112,16 @@ function useScrub(most, label) {
   by("scrub").setAttribute("aria-label", label)
 }
 
-// F of the motion from state to state, in a field of its own beside the place of the slip, over the same axis of forces
-function drawTrace() {
+function followFilm() {
   if (!film?.frames) return
-  const { frames, k } = film, box = charts.forces.box, pen = box && cleared(film.canvas ??= over("forces"))
-  by("scrub").value = me.film.k - k
+  by("scrub").value = me.film.k - film.k
   tell("slow motion")
-  if (!pen) return
+  charts.forces.changed = true
+}
+
+// F of the motion from state to state, in a field of its own beside the place of the slip, over the same axis of forces
+function drawTrace(pen, box) {
+  const { frames, k } = film
   const F = frames.curves.F.slice(k - 1), ink = inks()
   const width = FIELD * box.width, right = box.X(frames.along[k - 1]) < box.left + 0.5 * box.width
   const left = right ? box.left + box.width - width : box.left
@@ -139,7 +143,7 @@ function drawTrace() {
 }
 
 function leave() {
-  film.canvas?.remove()
+  delete charts.forces.parts.motion
   if (film.axis) charts.forces.range("y", film.axis)
   film = null
   useScrub(me.run.length - 1, "Increment shown")
@@ -149,5 +153,5 @@ function leave() {
 }
 
 take("film", receive, (message) => (message.why ? message : unpackLater(message)))
-cover(["picture"], drawTrace)
+frame(["picture"], followFilm)
 view(["run", "at"], look)
