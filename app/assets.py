@@ -1,13 +1,14 @@
 """Addresses of scripts, styles and stored runs: ./app/VERSION/static/..., where VERSION is a hash of all these files.
 
 A browser caches such an address for a year (app/web.py). Modules import each other relatively, so they come from the
-same version. All addresses are relative to the page, so a proxy may add any prefix.
+same version. All addresses are relative to the page, so a proxy may add any prefix. Files are read once: a server shows
+changed ones after its next start.
 """
 
 import gzip
 import hashlib
 import re
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -20,17 +21,12 @@ def root(page: str) -> str:
     return f"./{page.rstrip('/').rsplit('/', 1)[-1]}/{version()}"
 
 
+@cache
 def version() -> str:
     """Return a hash of all files that a browser requests."""
-    found = sorted([*STATIC.rglob("*.*"), *PAGES.glob("*/page.js")])
-    return _version(tuple((path, path.stat().st_mtime_ns) for path in found))
-
-
-@lru_cache(2)
-def _version(files: tuple[tuple[Path, int], ...]) -> str:
     tree = hashlib.sha256()
-    for path, changed in files:
-        tree.update(f"{path.relative_to(HERE).as_posix()} {content(path, changed)[2]}\n".encode())
+    for path in sorted([*STATIC.rglob("*.*"), *PAGES.glob("*/page.js")]):
+        tree.update(f"{named(path)} {content(path)[2]}\n".encode())
     return tree.hexdigest()[:16]
 
 
@@ -55,8 +51,8 @@ def needed(script: Path) -> set[Path]:
     return found
 
 
-@lru_cache(200)
-def content(path: Path, changed: int) -> tuple[bytes, bytes, str]:
-    """Return (content, compressed content, hash) of a file; changed: its time of modification, for the cache."""
+@cache
+def content(path: Path) -> tuple[bytes, bytes, str]:
+    """Return (content, compressed content, hash) of a file."""
     raw = path.read_bytes()
     return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]

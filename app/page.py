@@ -110,8 +110,7 @@ def _composed(root):
 
 def _html(doc, root):
     bundle = Path(settings.bokehjs_path()) / "js" / "bokeh.min.js"  # the only one
-    known = assets.content(bundle, bundle.stat().st_mtime_ns)[2]
-    script = f'<script src="./static/js/bokeh.min.js?v={known}"></script>'
+    script = f'<script src="./static/js/bokeh.min.js?v={assets.content(bundle)[2]}"></script>'
     item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
     sections = "".join(map(pages.section, pages.listed()))
     return html_page_for_render_items((script, ""), {}, [item], TITLE, template(sections), values(root))

@@ -198,7 +198,7 @@ class Files(Plain):
         path = self.found(name)
         if path is None:
             return self.send_error(404)
-        raw, packed, self.tag = content(path, path.stat().st_mtime_ns)
+        raw, packed, self.tag = content(path)
         kind = {".js": "text/javascript", ".css": "text/css"}.get(path.suffix) or mimetypes.guess_type(path.name)[0]
         self.set_header("Content-Type", f"{kind or 'application/octet-stream'}; charset=utf-8")
         self.set_header("Vary", "Accept-Encoding")

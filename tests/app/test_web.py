@@ -5,7 +5,6 @@ import gzip
 import http.client
 import json
 import logging
-import os
 import random
 import re
 import socket
@@ -354,9 +353,18 @@ def test_the_version_of_the_files_changes_with_any_of_them(monkeypatch, tmp_path
     seen = set()
     for text in ("one", "other"):
         script.write_text(text, encoding="utf-8")
-        os.utime(script, ns=(len(text), len(text)))
-        seen.add(assets.version())
+        assets.content.cache_clear()
+        seen.add(assets.version.__wrapped__())
     assert len(seen) == 2
+
+
+def test_a_file_is_answered_without_a_look_into_any_folder(address):
+    name = re.search(r'src="\./(app/[^"]+opening\.js)"', get(f"{address}/app")[2].decode())[1]
+    looks, looking = [], True
+    sys.addaudithook(lambda event, _: looking and event in ("os.scandir", "os.listdir") and looks.append(event))
+    assert get(f"{address}/{name}")[0] == 200
+    looking = False
+    assert not looks
 
 
 @pytest.mark.parametrize(
