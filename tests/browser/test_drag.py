@@ -156,6 +156,25 @@ def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look
     values_are(page, delta_bar=0.02)
 
 
+def test_letting_go_of_a_slider_is_answered_before_anything_is_painted_again(look):
+    """What is on screen stays until all increments of the prediction are there, so that the browser is free at once."""
+    page = paused(look, "?E=71.7")
+    point = grab(page, "E")
+    for steps in range(1, 6):
+        page.mouse.move(*point(steps))
+    page.wait_for_function("punch.run.few && !punch.waiting.length && !punch.fresh")
+    page.evaluate(
+        """() => {
+            const { canvas } = charts.forces, pen = canvas.getContext("2d"), { clearRect } = pen
+            window.painted = []
+            pen.clearRect = (...box) => { if (!punch.dragging) painted.push(punch.run.few); clearRect.apply(pen, box) }
+        }"""
+    )
+    page.mouse.up()
+    page.wait_for_function("painted.length && !punch.run.few && !punch.fresh")
+    assert page.evaluate("painted").count(True) == 0
+
+
 def test_choosing_a_flat_while_paused_removes_the_nodes_of_the_punch(look):
     page = paused(look, "?E=71.4&theme=light")
     assert page.evaluate(ADHERING) > 20

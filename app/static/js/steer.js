@@ -63,5 +63,5 @@ function rests() {
   me.dragging = false
   sendNext(true)
   order("release")
-  redraw()
+  if (!me.run?.few) redraw() // else all of its increments come, and are drawn then (player.js)
 }
