@@ -257,9 +257,9 @@ def test_page_state_rejects_undeclared_fields(tab):
 def test_views_of_changed_fields_draw_together_once_also_if_one_fails(tab):
     drawn = tab.evaluate(
         """async () => {
-            const { cover, me, set, view } = await import("http://scripts/js/store.js")
+            const { frame, me, set, view } = await import("http://scripts/js/store.js")
             const drawn = [], flushed = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then)))
-            cover(["at"], () => drawn.push(`over ${me.at}`))
+            frame(["at"], () => drawn.push(`frame of ${me.at}`))
             view(["at"], () => { throw new Error("one view fails") })
             view(["at", "preview"], () => drawn.push(`${me.at} ${me.preview}`))
             view(["drawn"], () => drawn.push("unchanged"))
@@ -272,4 +272,4 @@ def test_views_of_changed_fields_draw_together_once_also_if_one_fails(tab):
             return drawn
         }"""
     )
-    assert drawn == ["6 7", "over 6"]
+    assert drawn == ["6 7", "frame of 6"]
