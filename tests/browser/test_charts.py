@@ -123,10 +123,17 @@ def test_several_changes_are_painted_once_and_what_is_not_in_sight_never(look):
 
 
 @pytest.mark.thorough
-def test_a_chart_is_as_sharp_as_the_screen(browser, server):
-    context = browser.new_context(device_scale_factor=2, viewport={"width": 1280, "height": 720})
+@pytest.mark.parametrize("ratio", [1, 1.25, 2])
+def test_a_chart_is_as_sharp_as_the_screen(browser, server, ratio):
+    """A canvas has the pixels of the screen that it covers, no more and no less: the browser shows them as they are."""
+    context = browser.new_context(device_scale_factor=ratio, viewport={"width": 1366, "height": 768})
     page = context.new_page()
-    page.goto(server.address)
+    page.goto(f"{server.address}?more=1")
     finished(page)
-    assert page.evaluate("charts.forces.canvas.width === 2 * charts.forces.canvas.clientWidth")
+    covered = """({ canvas }) => {
+        const { left, right, top, bottom } = canvas.getBoundingClientRect()
+        const pixels = (from, to) => Math.round(to * devicePixelRatio) - Math.round(from * devicePixelRatio)
+        return canvas.width === pixels(left, right) && canvas.height === pixels(top, bottom)
+    }"""
+    assert page.evaluate(f"['punch', 'forces', 'area'].map((name) => ({covered})(charts[name]))") == 3 * [True]
     context.close()

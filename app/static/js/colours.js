@@ -21,9 +21,13 @@ export function isShown(element) {
   return shown.get(element)
 }
 
-// [width, height] of an element, px
+// [width, height] of an element, px: of whole pixels of the screen, to whose edges the browser moves a canvas
 export function sizeOf(element) {
-  if (!sizes.has(element)) sizes.set(element, [element.clientWidth, element.clientHeight])
+  if (!sizes.has(element)) {
+    const { left, top, right, bottom } = element.getBoundingClientRect(), ratio = window.devicePixelRatio || 1
+    const between = (from, to) => (Math.round(to * ratio) - Math.round(from * ratio)) / ratio
+    sizes.set(element, [between(left, right), between(top, bottom)])
+  }
   return sizes.get(element)
 }
 
