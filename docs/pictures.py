@@ -62,7 +62,7 @@ def shown(page, k):
 def take(browser, address):
     page = opened(browser, address, (1440, 900))
     shown(page, 109)
-    page.wait_for_function("() => !document.getElementById('fringes').hidden", timeout=120_000)
+    page.wait_for_function("() => charts.punch.parts.fringes.picture", timeout=120_000)
     shown(page, 109)
     _save(page, "app.webp")
     plain = "(of) => { of.value = 'plain'; of.dispatchEvent(new Event('change')) }"
