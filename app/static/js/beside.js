@@ -1,21 +1,18 @@
 // Pinned runs, drawn behind the run on screen.
 
 import { charts } from "./charts.js"
-import { colour } from "./colours.js"
 import { beside } from "./curves.js"
 import { drawnFrame, sideways } from "./punch.js"
 
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load
 
-const DASHES = { dashed: [6, 4], dotted: [2, 4], dotdash: [2, 4, 6, 4], dashdot: [6, 4, 2, 4] }
+const DASHES = [[6, 4], [2, 4], [2, 4, 6, 4], [6, 4, 2, 4]] // px, of the pins in turn
 
-export const style = (slot) => ({ ink: `--pin-${slot}`, dash: colour(`--pin-${slot}-dash`) })
+export const style = (slot) => ({ ink: `--pin-${slot}`, dash: DASHES[slot - 1] })
 
-// What the lines of some runs have in common: colours and dashes
-const looking = (lines) => ({ list: lines.map(({ pin: { slot }, width = WIDE, x, y }) => {
-  const { ink, dash } = style(slot)
-  return { x, y, width, ink, dash: DASHES[dash] }
-}) })
+// Lines of some runs, each in the colour and dashes of its pin
+const looking = (lines) => (
+  { list: lines.map(({ pin, width = WIDE, x, y }) => ({ x, y, width, ...style(pin.slot) })) })
 
 let lines = 0, surfaces = 0 // how many are drawn
 

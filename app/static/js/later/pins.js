@@ -6,7 +6,6 @@ import { named } from "../quantities.js"
 import { me, view } from "../store.js"
 
 const MOST = 4
-const DASHES = { dashed: "9 5", dotted: "2 4", dotdash: "2 4 8 4", dashdot: "9 4 2 4" } // of the chips, px
 
 // A pin: {run, name, slot, shown}; slot 1 .. MOST
 
@@ -40,7 +39,7 @@ const button = (text, label, onclick, more) => makeButton({ title: label, "aria-
 function swatch(slot) {
   const { ink, dash } = style(slot), stroke = { stroke: `var(${ink})`, "stroke-width": 3 }
   return makeShape("svg", { class: "swatch", "aria-hidden": true },
-    makeShape("path", { d: "M1 5 H33", ...stroke, "stroke-dasharray": DASHES[dash] ?? "" }))
+    makeShape("path", { d: "M1 5 H33", ...stroke, "stroke-dasharray": dash.join(" ") }))
 }
 
 function chip(pin) {
