@@ -47,7 +47,6 @@ export function make(tag, { data = {}, ...given } = {}, ...parts) {
   made.append(...parts)
   return made
 }
-export const makeRow = (cells) => make("tr", {}, ...cells.map((cell) => make("td", {}, cell)))
 export const makeButton = (given, ...parts) => make("button", { type: "button", ...given }, ...parts)
 
 // A shape of a drawing with its attributes, and what it holds

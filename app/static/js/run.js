@@ -4,7 +4,7 @@ import { acts, Frames } from "./frames.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 // Curves in units: of which column, and what its unit is
-export const REAL = { // N/m, nm
+const REAL = { // N/m, nm
   F: ["F_bar", (head) => head.force], L: ["L_bar", (head) => head.force], F_slip: ["slip_F", (head) => head.force],
   L_slip: ["slip_L", (head) => head.force], A: ["A_bar", (head) => 2 * head.middle],
 }

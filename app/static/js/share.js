@@ -5,7 +5,7 @@ import { holderOf, pictureOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
 import { charts } from "./charts.js"
 import { colour } from "./colours.js"
-import { by, make, makeRow, on } from "./dom.js"
+import { by, make, on } from "./dom.js"
 import { figures } from "./figures.js"
 import { digits, fixed } from "./quantities.js"
 import { declared, me } from "./store.js"
@@ -74,7 +74,8 @@ export function csv(run) {
 
 function showTable() {
   const head = make("tr", {}, ...Object.keys(CELLS).map((text) => make("th", { scope: "col" }, text)))
-  const rows = afterApproach(me.run).map((k) => makeRow(Object.values(CELLS).map((cell) => cell(me.run.values(k)))))
+  const rows = afterApproach(me.run).map((k) => (
+    make("tr", {}, ...Object.values(CELLS).map((cell) => make("td", {}, cell(me.run.values(k)))))))
   const table = make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows))
   by("table").querySelector(".rows").replaceChildren(table)
   by("table").showModal()

@@ -15,7 +15,7 @@ export async function skeletonLater({ body, ...message }) {
 }
 
 // {head, branches, law} of the inflated bytes, an ArrayBuffer
-export function skeletonOf(buffer) {
+function skeletonOf(buffer) {
   const length = new DataView(buffer).getUint32(0, true), rest = buffer.slice(4 + length)
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)))
   const count = head.branches.reduce((sum, { states }) => sum + states, 0), size = 2 * head.nodes + head.held

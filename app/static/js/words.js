@@ -5,8 +5,6 @@ import { by, tell } from "./dom.js"
 import { digits, fixed, named, spoken, withUnit } from "./quantities.js"
 import { me } from "./store.js"
 
-export const areaText = ({ A, A_bar }) => `${named("A", A)} (Ā = ${fixed(A_bar * 1000, 1)}·10⁻³)`
-
 // Words about the axis of the area where it does not begin at zero
 export const tellStart =
   (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
@@ -44,7 +42,7 @@ export function tellFrame(run, k) {
   const top = run.driven ? ` (top ${withUnit("U_x", run.top(k))})` : ""
   const texts = [
     `${run.leg(k)} ${v.index}: ${named("U_x", v.U_x)}${top},`, `${named("delta", v.delta)},`,
-    `${named("F", v.F)},`, `${named("L", v.L)},`, `${areaText(v)}${slipped}`,
+    `${named("F", v.F)},`, `${named("L", v.L)},`, `${named("A", v.A)} (Ā = ${fixed(v.A_bar * 1000, 1)}·10⁻³)${slipped}`,
     work,
   ]
   by("increment").textContent = run.followed ? "This increment is predicted from the run before."
