@@ -23,7 +23,7 @@ from .run.frame import Frame, SlipEvent
 from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
 from .run.loadpath import Checkpoint, Run, deadline
-from .run.summary import curves_of, fields_of, first_slip, kind_of, least_force, values_of
+from .run.summary import curves_of, fields_of, first_slip_in, kind_of, least_force, values_of
 from .scene import Scene
 from .text import counted
 from .threads import one_thread
@@ -108,7 +108,7 @@ class Result:
     @property
     def first_slip(self) -> FirstSlip | None:
         """The FirstSlip of a stage that moves U_x; None without one."""
-        found = first_slip(self.frames)
+        found = first_slip_in(self.frames)
         return found and first_of(*found)
 
     @property
