@@ -35,7 +35,7 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
 
     from .analysis.interior import Stress
 
-# s of processor time, below a minute. Some scenes with E below 1 GPa, or phi_n of 10 to 20 N/m at E = 5, take more than one
+# s of processor time, below a minute, which some scenes with E below 1 GPa, or phi_n of 10 to 20 N/m at E = 5, exceed
 SOFT_LIMIT = 50.0
 FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
 
