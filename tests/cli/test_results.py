@@ -149,7 +149,7 @@ def test_a_pull_off_under_a_held_load_is_an_end_with_its_place_and_force():
 
 def test_a_run_beyond_its_limit_of_time_keeps_its_increments_and_gives_a_reason(result):
     early = simulate(result.scene.changed(u_x_max=1000.0), limit=0.2)
-    assert early.outcome == "out of time" and 0 < len(early.frames) < 1000
+    assert early.outcome == "out of time" and early.frames and early.frames[-1].U_x < 1000.0
     assert "Not converged at " in early.failure and "takes more than 0.2 s of processor time" in early.failure
     assert early.failure.endswith("; allow more time, or try a larger E")
     approach = simulate(SMALL, load=0.01, limit=0.0)
