@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,8 +22,8 @@ from .following.skeleton import Skeleton
 from .run.frame import Frame, SlipEvent
 from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
-from .run.loadpath import Checkpoint, Run
-from .run.summary import curves_of, fields_of, first_slip, kind_of, least_force, values_of
+from .run.loadpath import Checkpoint, Run, deadline
+from .run.summary import curves_of, fields_of, first_slip_in, kind_of, least_force, values_of
 from .scene import Scene
 from .text import counted
 from .threads import one_thread
@@ -34,6 +35,8 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
 
     from .analysis.interior import Stress
 
+# s of processor time, below a minute, which some scenes with E below 1 GPa, or phi_n of 10 to 20 N/m at E = 5, exceed
+SOFT_LIMIT = 50.0
 FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
 
 
@@ -105,7 +108,7 @@ class Result:
     @property
     def first_slip(self) -> FirstSlip | None:
         """The FirstSlip of a stage that moves U_x; None without one."""
-        found = first_slip(self.frames)
+        found = first_slip_in(self.frames)
         return found and first_of(*found)
 
     @property
@@ -231,12 +234,21 @@ class Result:
         return "".join(f"<p>{escape(line)}</p>" for line in self._lines) + _curve(self.scene, self._after)
 
 
+def time_limit(scene: Scene) -> float:
+    """Processor time (s) after which `simulate` ends a run: SOFT_LIMIT where phi_n/E exceeds delta_n, else inf."""
+    return SOFT_LIMIT if scene.phi_n > scene.E * scene.delta_n else inf
+
+
 @one_thread()
-def simulate(scene: Scene | None = None, progress: bool = False, load: float | None = None) -> Result:
+def simulate(
+    scene: Scene | None = None, progress: bool = False, load: float | None = None, limit: float | None = None
+) -> Result:
     """Computes one scene from approach to the end of its path.
 
     Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error; load: the normal
-    load (N/m) to hold during the shear, in place of delta_bar and hold. `result.scene` has the indentation found.
+    load (N/m) to hold during the shear, in place of delta_bar and hold. `result.scene` has the indentation found;
+    limit: processor time of the run, s (default: none, but 50 s where phi_n/E exceeds delta_n, as a slip of so soft a
+    layer takes thousands of force evaluations).
     Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, `outcome` says how, and
     `failure` has the reason and a remedy. A contact that pulls off under its held load is no failure: see `pull_off`.
     Raises SceneError for a load that the approach does not reach.
@@ -244,12 +256,13 @@ def simulate(scene: Scene | None = None, progress: bool = False, load: float | N
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
     frames, checkpoint, scene = list[Frame](), None, scene or Scene()
-    if load is not None:
-        scene, frames, checkpoint = held_at(scene, load)
-    path: Iterable[tuple[Frame, Checkpoint]] = Run(scene).frames(checkpoint)
-    if progress:
-        path = with_progress(scene, path, initial=len(frames))
+    observe = deadline(time_limit(scene) if limit is None else limit, inf)
     try:
+        if load is not None:
+            scene, frames, checkpoint = held_at(scene, load, observe)
+        path: Iterable[tuple[Frame, Checkpoint]] = Run(scene).frames(checkpoint, observe=observe)
+        if progress:
+            path = with_progress(scene, path, initial=len(frames))
         for frame, checkpoint in path:  # noqa: B007  the last one counts
             frames.append(frame)
     except NotConverged as error:

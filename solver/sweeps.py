@@ -7,10 +7,9 @@ from concurrent.futures import Executor
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from .continuation.state import NotConverged
+from .continuation.state import Outcome
 from .results import FIRST, first_of
-from .run.loadpath import load_path
-from .run.summary import first_slip
+from .run.slices import first_slip
 from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from .schema import unknown_name
 
@@ -58,8 +57,8 @@ def _swept(scene, values):
 
 def row_of(scene: Scene) -> dict[str, Any]:
     """The first slip of a scene as a row of `sweep`; the run ends there."""
-    try:
-        found = first_slip(load_path(scene))
-    except NotConverged as failure:
-        return {"outcome": str(failure.outcome) if failure.outcome.reached else str(failure)}
-    return dict(zip(FIRST, first_of(*found), strict=True)) | {"outcome": "slips"} if found else {"outcome": "no slip"}
+    found, _, end = first_slip(scene)
+    if found:
+        return dict(zip(FIRST, first_of(*found), strict=True)) | {"outcome": "slips"}
+    ends = {Outcome.FINISHED: "no slip", Outcome.PULLED_OFF: str(Outcome.PULLED_OFF)}
+    return {"outcome": ends.get(end.outcome, end.failure)}

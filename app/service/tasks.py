@@ -14,7 +14,7 @@ import segno
 from app.service import packing, worker
 from app.service.worker import Part
 from solver import LIMITS, DataError, Frame, NotConverged, Profile, Scene, advance, read_profile
-from solver.analysis.friction_laws import Onset, Search, search_on
+from solver.analysis.friction_laws import Onset, onset
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement
@@ -24,7 +24,7 @@ from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.profile import LONG, SteepError, read_trace
-from solver.run import summary
+from solver.run import slices
 from solver.run.film import through
 from solver.run.loadpath import Checkpoint, Run, deadline
 
@@ -47,8 +47,8 @@ def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[flo
 
 def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str | None:
     """Return {"U" (nm), "F", "L" (N/m)} of the first slip of a run, None without one; a Part; or why it failed."""
-    frames, checkpoint = advance(scene, state, SLICE, limit=worker.SLOW)
-    if found := summary.first_slip(frames):
+    found, _, checkpoint = slices.first_slip(scene, state, SLICE, worker.SLOW)
+    if found:
         frame, slip = found
         return {"U": slip.load, "F": slip.F_bar * frame.unit, "L": slip.L_bar * frame.unit}
     if not checkpoint.done:
@@ -86,8 +86,8 @@ def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
 
 def onset_of(scene: Scene, state: Any = None) -> Onset | Part:
     """Return the Onset of a scene, or a Part. Raises NotConverged."""
-    search = search_on(scene, state or Search(), SLICE, worker.SLOW)
-    return search.outcome or Part(search)
+    found = onset(scene, state or (None, ()), SLICE, worker.SLOW)
+    return found if isinstance(found, Onset) else Part(found)
 
 
 def what_matters(scene: Scene) -> dict[str, Any] | str:

@@ -7,9 +7,7 @@ from math import ceil, e, inf, pi, sqrt
 import numpy as np
 
 from ..continuation.state import ROUND_OFF, NotConverged
-from ..run.frame import slips_in
-from ..run.loadpath import Checkpoint
-from ..run.slices import advance
+from ..run.slices import first_slip
 from ..scene import LARGEST_RUN, SceneError
 
 # Paper Fig. 8: three interfaces, presets, over a range of loads from full separation under tension to compression. The
@@ -35,45 +33,29 @@ class Onset:
     L: np.ndarray  # (k,) L_bar
 
 
-def onset(scene) -> Onset:
-    """The Onset of a scene, with u_x_max extended as needed; raises NotConverged as load_path does.
+def onset(scene, state=(None, ()), budget=inf, limit=inf) -> Onset | tuple:
+    """The Onset of a scene, with u_x_max extended as needed, or the `state` after a slice; raises NotConverged.
 
-    Without a slip, the run ends at its u_x_max, or farther: at the `reach` of the strength of its springs under
-    pressure, as far as the scene allows.
+    state: (Checkpoint, rows U_x, F_bar, A_bar, L_bar of the shear); budget, limit: as of `advance`. Without a slip, the
+    run ends at its u_x_max, or farther: at the `reach` of the strength of its springs under pressure, as far as the
+    scene allows.
     """
-    search = Search()
-    while search.outcome is None:
-        search = search_on(scene, search)
-    return search.outcome
+    least = max(scene.u_x_max, reach(scene))
 
-
-@dataclass(frozen=True)
-class Search:
-    """The state of a search for an onset, picklable; outcome: the Onset, or None as long as the search goes on."""
-
-    checkpoint: Checkpoint | None = None
-    rows: tuple = ()  # (U_x, F_bar, A_bar, L_bar) in shear
-    end: float = 0.0  # nm, where the search ends without a slip
-    outcome: Onset | None = None
-
-
-def search_on(scene, search, budget=0.1, limit=inf) -> Search:
-    """The Search after some `budget` more seconds; raises NotConverged. limit: as of `advance`."""
-    frames, checkpoint = advance(_longest(scene), search.checkpoint, budget, limit=limit)
-    rows, end = list(search.rows), search.end or max(scene.u_x_max, reach(scene))
-    for frame in (frame for frame in frames if frame.stage == "shear"):
-        if slips := slips_in(frame):
-            at = slips[0]
-            return Search(outcome=_onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar)], True))
-        rows.append((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar))
+    def beyond(frame):
         springs = float(np.exp(-frame.gap / scene.delta_n).sum()) / scene.nodes
-        strength = tau_max(scene) * springs  # the springs' mean there
-        end = max(end, reach(scene, strength))
-        if frame.U_x >= end:
-            return Search(outcome=_onset(rows, False))
+        return frame.U_x >= max(least, reach(scene, tau_max(scene) * springs))  # the springs' mean strength there
+
+    found, frames, checkpoint = first_slip(_longest(scene), state[0], budget, limit, beyond)
+    slipping, at = found or (None, None)
+    shear = [frame for frame in frames if frame.stage == "shear" and frame is not slipping]
+    rows = [*state[1], *((frame.U_x, frame.F_bar, frame.A_bar, frame.L_bar) for frame in shear)]
+    if at:
+        return _onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar)], True)
     if checkpoint.failure:
         raise NotConverged(checkpoint.failure)
-    return Search(outcome=_onset(rows, False)) if checkpoint.done else Search(checkpoint, tuple(rows), end)
+    ended = checkpoint.done or (shear and beyond(shear[-1]))
+    return _onset(rows, False) if ended else (checkpoint, rows)
 
 
 def _onset(rows, slipped):

@@ -126,7 +126,7 @@ class Branch:
         part = (np.asarray(load, float) - self.start) / max(self.end - self.start, TINY)
         if self.periodic:
             return part % 1.0
-        part = np.clip(part, 0.0, 1.0)
+        part = np.minimum(np.maximum(part, 0.0), 1.0)  # in place of `clip`, which takes four times as long
         return part if self.slip is None else 1.0 - np.sqrt(1.0 - part)
 
     def load_at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -140,12 +140,13 @@ class Branch:
         n, size = t.size, min(stencil, t.size)
         first = np.searchsorted(t, x) - size // 2
         if not self.periodic:
-            first = np.clip(first, 0, n - size)
+            index = np.minimum(np.maximum(first, 0), n - size)[:, None] + np.arange(size)
+            return index, lagrange(t[index], x), 0.0 * x
         index = first[:, None] + np.arange(size)
         turn = index // n
         weights = lagrange(t[index % n] + turn, x)
         whole = np.floor((load - self.start) / max(self.end - self.start, TINY))
-        return index % n, weights, (weights * turn).sum(axis=1) + whole if self.periodic else 0.0 * x
+        return index % n, weights, (weights * turn).sum(axis=1) + whole
 
     def at(self, load: float, stencil: int = STENCIL) -> Point:
         """The state at `load`, nm, between the ends of the branch."""

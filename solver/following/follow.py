@@ -7,10 +7,13 @@ from itertools import pairwise
 import numpy as np
 
 from ..continuation.inverse import Solves
+from ..continuation.landing import motion_to_rest
+from ..continuation.rest import Judge
 from ..continuation.state import NotConverged
 from ..continuation.trace import Branch, Trace
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
+from ..mechanics.surface import closed_stiffness
 from ..run.load_steps import sideways, vertical
 from ..scene import CHOICES, LIMITS, Scene, SceneError
 from ..threads import one_thread
@@ -33,7 +36,9 @@ TWO_STATES = 0.1  # units: states farther apart are two equilibria; with and wit
 
 @one_thread()
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
-    """Continues a run to other parameters, for a small share of its cost; it does not check where slips land.
+    """Continues a run to other parameters, for a small share of its cost.
+
+    It assumes that slips land on the branches they landed on before, and checks only that they keep the contact.
 
     Parameters: skeleton: as of `skeleton_of`; scene: differs from its scene in continuous parameters only.
     Returns the Skeleton of the scene.
@@ -46,7 +51,11 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
             raise NotFollowed(f"{name} does not change continuously")
     if scene.path != "shear":
         raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
-    return _in_parts(skeleton, scene, HALVES)
+    followed = _in_parts(skeleton, scene, HALVES)
+    try:
+        return replace(followed, evaluations=followed.evaluations + _checked_landings(followed))
+    except NotConverged as failure:
+        raise NotFollowed(str(failure)) from None
 
 
 def _in_parts(skeleton, scene, halves):
@@ -172,6 +181,26 @@ def _stiffens(problem, v):
     return problem.contact.pressure(linearised.pull(lowered)[1]) > 0.0
 
 
+def _checked_landings(skeleton):
+    """Force evaluations to see that slips keep the contact; raises NotFollowed where one loses it.
+
+    A punch above first touch is held by adhesion alone, which is weakest between two sites. Where surfaces apart are in
+    equilibrium, too, the motion from the end of the branch decides.
+    """
+    scene = skeleton.scene
+    if skeleton.held is not None or scene.delta >= 0.0 or not (skeleton.lost or skeleton.trace.jumps):
+        return 0
+    problem = skeleton.problem()
+    solver, how = Solver(problem), (Judge(scene.damping), scene.damping, closed_stiffness(scene))
+    for fold in (branch.slip for branch in skeleton.branches if branch.slip):
+        landed = skeleton.unknowns(fold.load + LATER)[0]
+        if _apart(solver, fold.load, landed):
+            slip = motion_to_rest(problem, fold, *how)
+            if np.abs(slip.after.v - landed).max() > TWO_STATES * problem.unit:
+                raise NotFollowed(f"the slip at {fold.load:g} nm no longer ends in contact")
+    return problem.evaluations
+
+
 def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
     """Raises NotFollowed where the Skeleton has contact, but the surfaces may stay apart at the end of the approach.
 
@@ -179,9 +208,14 @@ def refuse_apart(contact: Contact, skeleton: Skeleton) -> None:
     """
     solver = Solver(Equilibrium(contact, sideways(1.0, -contact.scene.delta)))
     reached = skeleton.unknowns(0.0)[0, : solver.problem.size] if skeleton.held is None else skeleton.held.v
-    try:
-        apart = solver.state(solver.problem.undeformed(0.0), 0.0, "the state without contact", np.inf)
-    except NotFollowed:
-        return
-    if np.abs(apart - reached).max() > TWO_STATES * solver.problem.unit:
+    if _apart(solver, 0.0, reached):
         raise NotFollowed("the surfaces may not have jumped into contact")
+
+
+def _apart(solver, load, reached):
+    """Whether the corrector leads from the undeformed surface to another equilibrium than the one `reached`."""
+    try:
+        apart = solver.state(solver.problem.undeformed(load), load, "the state without contact", np.inf)
+    except NotFollowed:
+        return False
+    return np.abs(apart - reached).max() > TWO_STATES * solver.problem.unit

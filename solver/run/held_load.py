@@ -1,5 +1,6 @@
 """A held load given in N/m: the indentation at which the approach reaches it, and the run up to there."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,13 +19,15 @@ from .loadpath import Checkpoint, Run
 OFF = 1e-6  # nm beyond the increment in which the load is reached: what the tolerance leaves
 
 
-def held_at(scene: Scene, load: float) -> tuple[Scene, list[Frame], Checkpoint]:
+def held_at(
+    scene: Scene, load: float, observe: Callable[..., None] | None = None
+) -> tuple[Scene, list[Frame], Checkpoint]:
     """The Scene that holds a normal load (N/m) during the shear: hold 'load', at the indentation that reaches it.
 
     With the Frames of its run before that, and the Checkpoint after them. The load falls below zero as the surfaces
     attract each other, and rises as they are pressed together. The indentation is that of the first rise to `load`:
     from the states of the increment in which it lies, the height of the top is solved for under that load.
-    Raises SceneError where the approach does not reach it.
+    observe: as of `Run.frames`. Raises SceneError where the approach does not reach it, NotConverged.
     """
     wanted = as_number(load)
     if not abs(wanted) < float("inf"):
@@ -35,7 +38,7 @@ def held_at(scene: Scene, load: float) -> tuple[Scene, list[Frame], Checkpoint]:
     run = Run(replace(scene, path="shear", hold="delta", u_x_max=0.0).changed(delta_bar=most))
     checkpoint, frames, least = Checkpoint(), list[Frame](), 0.0
     while True:
-        frame, after = run.next_frame(checkpoint)
+        frame, after = run.next_frame(checkpoint, observe)
         if frames and frames[-1].L < wanted <= frame.L:
             break
         if after.done or after.stage != "approach":

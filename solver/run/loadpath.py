@@ -73,16 +73,18 @@ def until(
 def deadline(limit: float, busy: float = 10.0) -> Callable[..., None] | None:
     """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock.
 
-    Other processes may need the cores.
+    Other processes may need the cores. busy: 0 and inf limit a whole run, other numbers an increment.
     """
     if limit == inf:
         return None
     end, latest = thread_time() + limit, perf_counter() + limit + busy
     late = f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s"
+    if busy in (0.0, inf):
+        late = f"the run takes more than {limit:g} s" + " of processor time" * (busy == inf)
 
     def observe(*moving):
         if thread_time() > end or perf_counter() > latest:
-            raise OutOfTime(late if busy else f"the run takes more than {limit:g} s")
+            raise OutOfTime(late)
 
     return observe
 
@@ -205,6 +207,8 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
         overdamped = "damping=inf, " * (soft and scene.damping != inf)
         weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
         remedy = f"try {overdamped}another indentation or a larger E{weaker}"
+    elif isinstance(failure, OutOfTime):
+        remedy = "allow more time, or try a larger E"
     elif not fast:
         remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
     # the law has no potential, so that it may feed an oscillation

@@ -9,8 +9,9 @@ from typing import Any
 from ..continuation.state import NotConverged, Outcome
 from ..scene import Scene
 from ..threads import one_thread
-from .frame import Frame
+from .frame import Frame, slides_in
 from .loadpath import Checkpoint, Run
+from .summary import first_slip_in
 
 
 @one_thread()
@@ -21,11 +22,13 @@ def advance(
     method: str | Callable[..., Any] = "fast",
     replay: bool = True,
     limit: float = inf,
+    stop: Callable[[Frame], Any] | None = None,
 ) -> tuple[list[Frame], Checkpoint]:
     """Computes a slice of a run: a pure function of picklable arguments, for use in a worker.
 
     Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
-    method: a name in METHODS; replay: as of `load_path`; limit: processor time of an increment.
+    method: a name in METHODS; replay: as of `load_path`; limit: processor time of an increment, s; stop: true of the
+    Frame that ends the slice.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.outcome says how, and checkpoint.failure names the load and a remedy.
     Raises ValueError for a method that is not in METHODS.
@@ -39,11 +42,24 @@ def advance(
         for frame, after in _run_of(scene, method, replay).frames(checkpoint, limit):
             frames.append(frame)
             checkpoint = after
-            if perf_counter() > end:
+            if perf_counter() > end or (stop is not None and stop(frame)):
                 break
     except NotConverged as failure:
         checkpoint = checkpoint._replace(done=True, failure=str(failure), outcome=failure.outcome)
     return frames, checkpoint
+
+
+def first_slip(scene, checkpoint=None, budget=inf, limit=inf, beyond=lambda frame: False):
+    """((Frame, SlipEvent) of the first slip along U_x or None, Frames, Checkpoint) of a slice that ends with it.
+
+    Arguments as of `advance`; beyond: true of a Frame at which the search ends without a slip.
+    """
+
+    def ends(frame):
+        return slides_in(frame) or beyond(frame)
+
+    frames, checkpoint = advance(scene, checkpoint, budget, limit=limit, stop=ends)
+    return first_slip_in(frames), frames, checkpoint
 
 
 def in_time(checkpoint) -> Checkpoint:

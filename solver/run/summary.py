@@ -1,6 +1,6 @@
 """What Frames show: a run in a few numbers, and the surface away from the contact."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import e
 from typing import Any
 
@@ -94,8 +94,8 @@ def kind_of(frame: Frame, event: SlipEvent) -> str:
     return "pull-off" if apart else event.kind
 
 
-def first_slip(frames: Iterable[Frame]) -> tuple[Frame, SlipEvent] | None:
-    """The first slip of a stage that moves U_x, and its Frame; None without one. It takes no Frame after that."""
+def first_slip_in(frames: Sequence[Frame]) -> tuple[Frame, SlipEvent] | None:
+    """The first slip of a stage that moves U_x, and its Frame; None without one."""
     return next(((frame, event) for frame in frames for event in slides_in(frame)), None)
 
 
@@ -113,7 +113,7 @@ def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
     """
     least = least_force(frames)
     events = [values_of(f, event, least) for f in frames for event in f.slips]
-    found = first_slip(frames)
+    found = first_slip_in(frames)
     first: dict[str, Any] = values_of(*found, least) if found else {}
     after = [f for f in frames if f.stage != "approach"]
     summary = {

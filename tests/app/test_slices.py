@@ -41,6 +41,7 @@ def test_sliced_search_for_the_onset_equals_the_whole_search(short):
     found, count = made(tasks.onset_of, scene)
     whole = onset(scene)
     assert count > 50 and found.F_s == pytest.approx(whole.F_s, rel=1e-6)
+    assert np.allclose(found.U, whole.U, rtol=1e-6)
 
 
 def test_a_sweep_that_runs_out_of_time_reports_where(short, monkeypatch):

@@ -1,9 +1,12 @@
 """Cost and errors over the slider box: 120 scenes over the ranges of the app's sliders, defaults else.
 
     python tests/bench/box.py [--json FILE] [--gfmd [plain]] [--cache FILE] [--limit SECONDS] [--jobs N] [--every N]
+                               [--extreme]
 
 Columns: processor time of a whole run over that of the default scene (the median; the default is timed before every
 scene), force evaluations, slips, and how many of them are located. A scene that exceeds the limit or fails prints why.
+
+--extreme takes 30 scenes outside the sliders: layers below 1 GPa, and phi_n of 10 to 20 on soft layers.
 
 --gfmd compares F_bar, L_bar and A_bar with the paper's GFMD, at the last increment at which both rest, relative to
 their largest values in the run. GFMD is the solver's method gfmd or, with `plain`, the independent one in
@@ -31,6 +34,7 @@ from solver import NotConverged, Scene, load_path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "shared"))
 import plain_gfmd
+from scenes import extremes
 
 BOX = {
     "E": (10.0, 14.0, 20.0, 50.0, 200.0, 1000.0),
@@ -158,6 +162,7 @@ def shown(row, default):
     """A row as text."""
     fast = row["fast"]
     text = "E {E:5g}  delta_bar {delta_bar:5g}  ratio {phi_ratio:4g}".format(**row["scene"])
+    text += "  phi_n {phi_n:g}".format(**row["scene"]) if "phi_n" in row["scene"] else ""
     text += f"{fast['seconds'] / default:9.2f}{fast['evaluations']:9}{fast['slips']:6}{fast['located']:6}"
     if "error" in row:
         text += "".join(f"{value:9.1e}" for value in row["error"]) + f"{row['ratio']:8.0f}"
@@ -254,8 +259,10 @@ def main():
     parser.add_argument("--jobs", type=int, choices=(1, 2), default=1)
     parser.add_argument("--every", metavar="N", type=int, default=1, help="only every N-th scene")
     parser.add_argument("--only-gfmd", action="store_true", help="with --gfmd and --cache: fill the cache")
+    parser.add_argument("--extreme", action="store_true", help="scenes outside the sliders")
     arguments = parser.parse_args()
-    cache, scenes, method = read(arguments.cache), SCENES[:: arguments.every], arguments.gfmd
+    scenes = (list(extremes(30)) if arguments.extreme else SCENES)[:: arguments.every]
+    cache, method = read(arguments.cache), arguments.gfmd
     known = [cache.setdefault(json.dumps(values), {}) for values in scenes]
 
     def keep():

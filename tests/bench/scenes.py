@@ -84,6 +84,17 @@ def soft_punches(count):
         yield {"nodes": 512, "width": 1250.0, "radius": 5.0, "u_x_max": 40.0} | own
 
 
+def extremes(count):
+    """Parameters of `count` scenes outside the sliders: very soft layers and strong adhesion in turn."""
+    rng = np.random.default_rng(77)
+    for k in range(count):
+        soft = k % 2 == 0
+        own = {"E": geometric(rng, *((0.2, 1.0) if soft else (3.0, 8.0)))}
+        own |= {} if soft else {"phi_n": even(rng, 10.0, 20.0)}
+        own |= {"delta_bar": even(rng, *BOX["delta_bar"]), "phi_ratio": geometric(rng, *BOX["phi_ratio"])}
+        yield own | {"u_x_max": 10.0}
+
+
 def slider_box(count, seed=20, **others):
     """Parameters of `count` scenes of the app's sliders: E and phi_ratio even in their logarithms, delta_bar even."""
     rng = np.random.default_rng(seed)

@@ -21,10 +21,20 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "map": (["--x", "delta_bar=0:0.2:2", "--y", "phi_ratio=0.5:1:2", "--workers", "1", "--checks", "1"], "U_s off by"),
     "onset": (["--scenes", "1"], "1 scenes at du_x"),
     "others": (["--kinds", "nu 0.49", "--every", "15", "--length", "1"], f"{'nu 0.49':14}{1:8}"),
+    "pair": ([".", "--only", "tiny", "--repeats", "1"], "    1.00\n"),  # a checkout takes as many evaluations as itself
     "rests": (["--scenes", "2", "--jobs", "1"], "slips located"),
     "sensitivities": (["--scenes", "1"], "derivatives"),
     "skeletons": (["--scenes", "1"], "error of F_s"),
 }
+
+
+@pytest.mark.slow
+@pytest.mark.thorough
+def test_extreme_scenes_end_within_a_minute():
+    """A layer of 0.7 GPa, and one of 4.4 GPa with phi_n = 14.6 N/m; `box.py --extreme` runs all 30."""
+    command = [sys.executable, HERE / "box.py", "--extreme", "--every", "29"]
+    ended = subprocess.run(command, cwd=HERE.parents[1], capture_output=True, text=True)
+    assert "not done: 0 of 2" in ended.stdout
 
 
 @pytest.mark.slow

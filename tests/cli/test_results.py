@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 from html import escape, unescape
+from math import inf
 from types import SimpleNamespace
 
 import holoviews
@@ -16,6 +17,7 @@ import solver
 from solver import Axis, Map, Scene, explore_map, load_path, plots, read_profile, simulate, summarize, sweep
 from solver.executors import processes
 from solver.files import report_of, write_npz
+from solver.results import time_limit
 from solver.text import counted
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
@@ -143,6 +145,21 @@ def test_a_pull_off_under_a_held_load_is_an_end_with_its_place_and_force():
     assert lifted.pull_off == (last.U_x, last.delta, last.F, last.L) and last.L < 0.0
     assert len(lifted.table) > 0 and f"under the held load L = {last.L:.4g} N/m" in lifted._repr_html_()
     assert sweep(SMALL.changed(hold="load"), delta_bar=[-0.1])["outcome"][0] == "pulled off"
+
+
+def test_a_run_beyond_its_limit_of_time_keeps_its_increments_and_gives_a_reason(result):
+    early = simulate(result.scene.changed(u_x_max=1000.0), limit=0.2)
+    assert early.outcome == "out of time" and early.frames and early.frames[-1].U_x < 1000.0
+    assert "Not converged at " in early.failure and "takes more than 0.2 s of processor time" in early.failure
+    assert early.failure.endswith("; allow more time, or try a larger E")
+    approach = simulate(SMALL, load=0.01, limit=0.0)
+    assert approach.outcome == "out of time" and not approach.frames
+
+
+def test_runs_of_layers_softer_than_the_adhesion_have_a_limit_of_time_within_a_minute():
+    """phi_n/E is the stretch that adhesion can give a layer; delta_n its range."""
+    assert time_limit(Scene()) == time_limit(Scene(E=10.0)) == inf
+    assert time_limit(Scene(E=0.5)) == time_limit(Scene(E=5.0, phi_n=10.0)) < 60.0
 
 
 def test_a_sweep_has_the_first_slip_of_every_combination_in_order():

@@ -209,6 +209,17 @@ def test_without_a_fold_of_the_jump_surfaces_that_may_be_apart_are_refused(jumpi
         refuse_apart(Contact(apart, lost.first, lost.nodes), lost)
 
 
+def test_a_slip_that_newly_loses_contact_is_not_followed():
+    """On the stiffer layer the slip leaves the surfaces apart; they jump back into contact 0.16 nm later."""
+    scene = Scene(E=45.72, delta_bar=-0.45746, phi_ratio=0.17255, u_x_max=4.0)
+    stiffer = scene.changed(E=1.08 * scene.E)
+    skeleton = skeleton_of(scene)
+    assert len(skeleton.slips) == 1 and [len(slips(load_path(each))) for each in (scene, stiffer)] == [1, 2]
+    with pytest.raises(NotFollowed, match="no longer ends in contact"):
+        follow(skeleton, stiffer)
+    check(follow(skeleton, scene.changed(E=1.01 * scene.E)), scene.changed(E=1.01 * scene.E))
+
+
 @pytest.mark.parametrize(
     "values, why",
     [
