@@ -30,7 +30,7 @@ ORDER = tuple(STAGES)  # what the column "stage" counts, but of path "points": s
 SEEN = 13.0
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per kept frame and node
 FINE = 0.003  # error of a field between frames or nodes that are kept, of its largest value; and at most
-CLOSE, SITES = 0.02, 0.02  # that of the gap in delta_n, a pixel, and of u_x in node spacings
+CLOSE = {"gap": 0.02, "u_x": 0.01}  # in delta_n and delta_t: a pixel, and close to the curve of the cohesive law
 STEPS = 3  # steps of a field within this error
 EVERY = 3  # nodes of which one decides which frames are kept
 LEVEL = 6  # of zlib
@@ -75,7 +75,7 @@ def pack(scene: Scene, rows: Any, last: bool) -> bytes:
     Of columns, as integers, the changes over frames are stored; of fields, in steps, those over frames and nodes.
     """
     head, columns, fields = arrays(scene, rows, last)
-    at_most = {"gap": CLOSE * scene.delta_n, "u_x": SITES * scene.spacing}
+    at_most = {"gap": CLOSE["gap"] * scene.delta_n, "u_x": CLOSE["u_x"] * scene.delta_t}
     fine = np.array([min(FINE * 32767, at_most.get(name, np.inf) / scale) for name, scale in head["scales"].items()])
     values = fields / fine[:, None, None].astype(np.float32)
     frames = _kept(values[:, :, ::EVERY])

@@ -163,7 +163,7 @@ def test_nodes_lie_on_the_curve_of_the_interface_law(look):
             return Math.max(...[...nodes.s].map((s, i) => Math.abs(nodes.value[i] - at(s))))
         }}"""
     )
-    assert distance < 5e-3  # displacement and traction came as int16
+    assert distance < 0.03  # u_x comes to packing.CLOSE, twice, and tractions to packing.FINE
 
 
 @thorough
