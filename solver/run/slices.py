@@ -49,7 +49,9 @@ def advance(
     return frames, checkpoint
 
 
-def first_slip(scene, checkpoint=None, budget=inf, limit=inf, beyond=lambda frame: False):
+def first_slip(
+    scene: Any, checkpoint: Any = None, budget: float = inf, limit: float = inf, beyond: Any = lambda frame: False
+) -> tuple[Any, list[Any], Any]:
     """((Frame, SlipEvent) of the first slip along U_x or None, Frames, Checkpoint) of a slice that ends with it.
 
     Arguments as of `advance`; beyond: true of a Frame at which the search ends without a slip.
