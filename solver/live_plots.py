@@ -64,7 +64,7 @@ def chart(curves: Sequence[Curve], x: str, y: str, beside: bool = False, **look:
     named = [part for part in parts if any(part.data_source.data["label"])]
     if named:
         items = [LegendItem(label={"field": "label"}, renderers=[part]) for part in named]
-        plot.add_layout(Legend(items=items, ncols=2, location="left"), "above")
+        plot.add_layout(Legend(items=items, ncols=2, location="left", margin=0, padding=4, glyph_width=14), "above")
     tips = [("", "@label @value"), (x, "$snap_x"), (y, "$snap_y")]
     plot.add_tools(HoverTool(renderers=parts, tooltips=tips, line_policy="nearest"))
     return plot

@@ -23,6 +23,7 @@ log = logging.getLogger("app")
 BUG = "It could not be computed. See the server's log, then reload the page."
 PAUSE = 0.2  # s without a change of the sliders before a computation begins
 APART = 0.5  # s between two drawings of results
+CELLS = "td, th { padding: 0.3rem !important }"  # tables fit onto a phone in a wide font, too
 WIDE = {"flex": "1 1 420px"}  # of plots beside each other, where there is room for two
 SLIDER = {"flex": "1 1 200px", "max-width": "320px"}
 
@@ -93,7 +94,7 @@ class LabPage(param.Parameterized):
 
     def table(self, rows: Callable[[], Any]) -> pn.pane.DataFrame:
         """Return a table of rows(), a DataFrame, which follows the parameters of the page."""
-        table = pn.pane.DataFrame(rows(), index=False)
+        table = pn.pane.DataFrame(rows(), index=False, stylesheets=[CELLS])
         self._follow.append(lambda: setattr(table, "object", rows()))
         return table
 
