@@ -19,7 +19,7 @@ from typing import Any
 from jinja2 import Environment
 
 from app import assets, page
-from app.service import packing
+from app.service import packing, worker
 from solver import Scene
 from solver.scene import LIMITS, PARAMETERS
 
@@ -43,7 +43,7 @@ FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 
 
 
 class Stage:
-    """A Result of `simulate` to be seen, played and scrubbed; read-only."""
+    """A Result of `simulate` to be seen, played and scrubbed, with its failure and cautions; read-only."""
 
     def __init__(self, result: Any, title: str = page.TITLE) -> None:
         """result: a Result; title: of the file. Raises ValueError for a result without frames."""
@@ -57,25 +57,25 @@ class Stage:
 
     def html(self) -> str:
         """Return the file as text."""
-        scene = self.result.scene
-        block = packing.packed(scene, [(frame, 0.0) for frame in self.result.frames], True)[0]
+        scene, frames = self.result.scene, list(self.result.frames)
+        (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
+        alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(self.result.notes)}}
         values = page.values("") | {
-            "title": self.title,
+            "title": html.escape(self.title),
             "imports": json.dumps({"imports": _scripts()}),
             "style": "\n".join(path.read_text(encoding="utf-8") for path in sorted(assets.STATIC.glob("*.css"))),
             "styles": [],
             "scripts": [],
+            "values": {control.name: "" for control in page.CONTROLS},  # of sliders, which the file does not show
+            "places": {control.name: 0 for control in page.CONTROLS},
             "run": _address("application/octet-stream", block),
-            "declarations": json.dumps(json.dumps(page.declarations("") | {"stored": {}, "alone": _words(scene)})),
+            "declarations": json.dumps(json.dumps(page.declarations("") | alone)).replace("<", "\\u003c"),
         }
         jinja = Environment(trim_blocks=True, lstrip_blocks=True)
         jinja.globals["base"] = jinja.from_string(BASE)
         jinja.globals["macros"] = jinja.from_string(EMPTY)
-        text = jinja.from_string("{% extends base %}\n" + page.template("").replace('"macros"', "macros")).render(
-            values
-        )
-        for name, own in {"stored": "", **_places(scene)}.items():
-            text = text.replace(page.MARK.format(name), own)
+        template = "{% extends base %}\n" + page.template("").replace('"macros"', "macros")
+        text = jinja.from_string(template).render(values).replace(page.MARK.format("stored"), "")
         return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
 
     def _repr_html_(self) -> str:
@@ -111,8 +111,3 @@ def _value(name, value):
     """Return the value of a parameter with its unit."""
     number = f"{value:g}" if isinstance(value, float) else str(value)
     return f"{number} {LIMITS[name].unit}".rstrip() if name in LIMITS else number
-
-
-def _places(scene):
-    """Return {mark: text} for the sliders, which the file does not show."""
-    return {f"{control.name}{end}": "0" for control in page.CONTROLS for end in ("", "-at")}

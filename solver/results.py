@@ -174,7 +174,7 @@ class Result:
         if Path(file).suffix == ".csv":
             self.table.to_csv(file, index=False, lineterminator="\n")
         else:
-            plots.save(file, self.plot, title=repr(self.scene), notes=self._notes)
+            plots.save(file, self.plot, title=repr(self.scene), notes=self.notes)
 
     def to_xarray(self) -> xr.Dataset:
         """The curves over the increment, and the tractions T_x and T_z (GPa) over increment and x (nm).
@@ -199,8 +199,8 @@ class Result:
         return [frame for frame in self.frames if frame.stage != "approach"] or list(self.frames)
 
     @property
-    def _notes(self) -> list[str]:
-        """What limits the result: the failure, cautions, and what was done to a measured profile."""
+    def notes(self) -> list[str]:
+        """Sentences on what limits the result: failure, pull-off, cautions, and what was done to a measured profile."""
         profile = self.scene.measured.notes if self.scene.measured else ()
         failed = [each for each in (self.failure, self.parted) if each]
         return [*failed, *(f"Caution: {each}" for each in self.cautions), *(f"Profile: {note}" for note in profile)]
@@ -224,7 +224,7 @@ class Result:
         if first:
             forces = f"F = {first.F_s:.4g} N/m, L = {first.L_s:.4g} N/m, A = {first.A_s:.4g} nm"
             lines.append(f"First slip at U_x = {first.U_s:.2f} nm: {forces}")
-        return [*lines, *self._notes]
+        return [*lines, *self.notes]
 
     def __repr__(self) -> str:
         return "\n".join(self._lines)

@@ -29,8 +29,8 @@ ORDER = tuple(STAGES)  # what the column "stage" counts, but of path "points": s
 # attraction, no view shows them, and their gap would coarsen the scale of the others
 SEEN = 13.0
 FIELDS = ("gap", "u_x", "T_z", "T_x")  # of a packed block: a number each per kept frame and node
-FINE = 0.003  # error of a field between frames or nodes that are kept, of its largest value; and at most
-CLOSE = {"gap": 0.02, "u_x": 0.01}  # in delta_n and delta_t: a pixel, and close to the curve of the cohesive law
+FINE = 0.003  # error of a field between frames, or nodes, that are kept, over its largest value; and no more than
+CLOSE = {"gap": 0.02, "u_x": 0.01}  # of delta_n, a pixel; of delta_t, so that nodes lie on the curve of the law
 STEPS = 3  # steps of a field within this error
 EVERY = 3  # nodes of which one decides which frames are kept
 LEVEL = 6  # of zlib

@@ -66,10 +66,8 @@ def _refined(branch):
         if not gains.max(initial=0.0) > GAIN:
             return branch
         k = int(gains.argmax()) + 1
-        loads, v = (
-            np.insert(branch.loads, k, middles[k - 1]),
-            np.insert(branch.v, k, branch.unknowns(middles[k - 1 : k]), 0),
-        )
+        loads = np.insert(branch.loads, k, middles[k - 1])
+        v = np.insert(branch.v, k, branch.unknowns(middles[k - 1 : k]), axis=0)
         branch = Branch.of(loads, v, slip=branch.slip, periodic=branch.periodic)
 
 

@@ -130,9 +130,9 @@ def compute(
     heavy = late or (limit >= SLOW and _slow(begun, budget))
     if late and limit < SLOW:
         checkpoint = in_time(checkpoint)
-    works, last = _works(scene, frames, last)
+    work, last = works(scene, frames, last)
     made = Frames(
-        blocks=packed(scene, list(zip(frames, works, strict=True)), checkpoint.done),
+        blocks=packed(scene, list(zip(frames, work, strict=True)), checkpoint.done),
         frames=len(frames),
         evaluations=int(sum(frame.evaluations for frame in frames)),
         residual=float(max((frame.residual for frame in frames), default=0.0)),
@@ -169,14 +169,17 @@ def _slow(begun, budget):
     return perf_counter() > begun + budget + QUICK
 
 
-def _works(scene, frames, last):
-    """Return the work of the top up to every frame, nJ/m, and (last frame, its work); zeros unless path=loop."""
+def works(scene: Scene, frames: list[Any], last: Any = None) -> tuple[Any, Any]:
+    """Return the work of the top up to every frame, nJ/m, and (last frame, its work); zeros unless path=loop.
+
+    last: the same of the frames before, if there are any.
+    """
     if scene.path != "loop" or not frames:
         return [0.0] * len(frames), None
     before, done = last or (None, 0.0)
     previous = [before] if before else []
-    works = done + work_of(previous + frames)[len(previous) :]
-    return works, (frames[-1], works[-1])
+    work = done + work_of(previous + frames)[len(previous) :]
+    return work, (frames[-1], work[-1])
 
 
 def _ahead(scene, checkpoint):

@@ -224,8 +224,8 @@ def _of_parameters(model, trial, errors, correlations):
 def alike(free: Sequence[str], correlations: NDArray[np.float64]) -> list[str]:
     """Warnings about pairs of parameters (n,) that correlations (n, n) do not tell apart."""
     return [
-        f"{free[j]} and {free[i]} cannot be told apart, their correlation is {correlations[i, j]:.3f}:"
-        " their errors mean little; fix one of them"
+        f"the data do not tell {free[j]} from {free[i]} (correlation {correlations[i, j]:.3f}), and their errors mean"
+        " little; fix one of them"
         for i in range(len(free))
         for j in range(i)
         if abs(correlations[i, j]) > APART

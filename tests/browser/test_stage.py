@@ -1,9 +1,12 @@
 """A run saved as one file: it is seen, played and scrubbed without a server and without a network."""
 
+from dataclasses import replace
+
 import pytest
 
 from app.stage import Stage
 from solver import Scene, simulate
+from solver.analysis.work import work_of
 from solver.presets import presets
 from solver.results import Result
 
@@ -15,12 +18,12 @@ def opened(browser, tmp_path):
     """opened(scene): the saved file of its run in a browser without a network; whatever it asks for is on record."""
     context = browser.new_context(offline=True, viewport={"width": 1366, "height": 768})
 
-    def open_file(scene):
+    def open_file(scene, **how):
         file, page = tmp_path / "punch.html", context.new_page()
         page.asked, page.faults = [], []
         page.on("request", lambda request: page.asked.append(request.url))
         page.on("pageerror", lambda error: page.faults.append(str(error)))
-        Stage(simulate(scene), title="A <b>run</b>").save(file)
+        Stage(replace(simulate(scene), **how), title="A <b>run</b>").save(file)
         page.goto(file.as_uri())
         page.wait_for_function(DRAWN)
         return page
@@ -57,6 +60,19 @@ def test_a_saved_run_plays_and_scrubs_without_server_and_network(opened, scene):
 def test_a_saved_run_names_its_scene(opened):
     page = opened(Scene(E=50.0, u_x_max=3.0))
     assert page.locator("#look").text_content() == "u_x_max = 3 nm, E = 50 GPa"
+
+
+def test_a_saved_run_says_why_it_ended(opened):
+    page = opened(Scene(u_x_max=6.0), failure="No equilibrium at U_x = 6.1 nm.")
+    assert page.locator("#notes").text_content() == "No equilibrium at U_x = 6.1 nm."
+
+
+def test_the_work_of_a_saved_loop_is_that_of_its_run(opened):
+    """All increments had none."""
+    scene = presets()["loop"].scene.changed(u_x_max=4.0)
+    page, result = opened(scene), simulate(scene)
+    work = work_of(result.frames)
+    assert page.evaluate("punch.run.curves.work") == pytest.approx(work, rel=1e-5, abs=1e-6)
 
 
 def test_a_notebook_shows_a_stage_in_a_frame_of_its_own(browser):
