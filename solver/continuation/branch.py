@@ -34,6 +34,9 @@ LONG = 0.3  # units, longest step of the arc: from longer ones folds of the slid
 # Largest ratio of a step to the last one. A point farther than this many steps away is rejected: it lies on another
 # branch.
 GROWTH = 3.0
+# units: a point nearer than this to the State at the target is none of its past. From two such points no arc goes on;
+# steps of the arc become no shorter than a tenth of this
+NEAREST = 1e-3
 # Load per arc below which a state is continued by arc length and a fold is looked for a step ahead. At the onset of
 # stick-slip the branch turns back within a tenth of a unit, and larger steps pass that.
 STEEP = 0.3
@@ -170,7 +173,7 @@ class _Arc:
         mode = self.judge.rightmost(self.problem, solution.v, self.state.mode)
         if not mode.rests:
             return self._end(points, Point(target, solution.v), mode, fold)
-        below = [p for p in points if p.load < target]
+        below = [p for p in points if p.load < target and np.abs(p.v - solution.v).max() > NEAREST * self.unit]
         return _on_branch(self.corrector, self.state, solution, mode, below)
 
     # ends
