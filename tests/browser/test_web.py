@@ -160,7 +160,7 @@ def test_a_configured_site_can_frame_the_embedded_page(browser, elsewhere, monke
         page.goto(f"{elsewhere}?embed=1")
         page.evaluate("address => { document.querySelector('iframe').src = address }", f"{other.address}?embed=1")
         frame = page.frame_locator("iframe")
-        frame.locator("#punch-view canvas").first.wait_for(state="attached", timeout=PATIENCE)
+        frame.locator(".punch canvas").first.wait_for(state="attached", timeout=PATIENCE)
         page.close()
     finally:
         other.stop()

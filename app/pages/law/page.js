@@ -3,7 +3,7 @@
 import { by } from "../../static/js/dom.js"
 import { fill } from "../../static/js/figures.js"
 
-const FAINT = 1e-3 // share of the tangential traction below which its factor over s is not resolved
+const FAINT = 0.02 // share of the tangential traction below which its factor over s is not resolved: nodes are left out
 
 let law // {spacing, peak: where sticking ends, nm} of the scene on screen
 
