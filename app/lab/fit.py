@@ -18,6 +18,7 @@ from app.lab.base import LabPage, side_by_side
 from app.on_loop import on_loop
 from app.service import tasks
 from app.service.pool import HEAVY
+from app.session.measured import content_of
 from app.session.orders import LARGEST
 from solver import fit
 from solver.analysis.curve_files import read_measurement
@@ -59,9 +60,18 @@ class Fit(LabPage):
     truth = param.Dict({}, doc="{parameter: value} of example data")
     free = param.ListSelector(["phi_ratio", "delta_bar"], objects=FREE, label="Free parameters")
 
+    def __init__(self, scene=None):
+        super().__init__(scene)
+        self.key = pn.state.session_args.get("curve", [b""])[-1].decode("ascii", "replace")
+
     async def compute(self) -> None:
         frames = await self.call(tasks.flat_frames, self.scene.changed(path="shear"))
         self.curve = np.array([(frame.U_x, frame.F, frame.L) for frame in frames if frame.stage == "shear"]).T
+        key, self.key = self.key, ""
+        if key:  # it lies over the run of the experiment, which named it in the address
+            if (content := content_of(key)) is None:
+                raise ValueError("This server does not have the measured curve of this address. Choose the file again")
+            await self.read(content)
 
     async def read(self, content: bytes) -> None:
         """Read the content of a file, bytes. If it is not usable, the previous measurement stays."""

@@ -14,10 +14,13 @@ import segno
 from app.service import packing, worker
 from app.service.worker import Part
 from solver import LIMITS, DataError, Frame, NotConverged, Profile, Scene, advance, read_profile
+from solver.analysis.comparison import noise_in
+from solver.analysis.curve_files import read_measurement
 from solver.analysis.friction_laws import Onset, onset
 from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement
+from solver.analysis.recording import KINDS
 from solver.analysis.sensitivities import sensitivities
 from solver.analysis.toughness import toughness
 from solver.files import report_of, write_json, write_npz
@@ -32,6 +35,7 @@ LONGEST_FILE = 60.0  # s of work on a file
 READING, MEMORY = 10.0, 2**30  # s and bytes for a file of a visitor
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
+LAID = 500  # points of a measured curve that the browser draws and compares with each picture of a drag
 DRAWN = 400  # points of a drawn curve, about one per pixel
 DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
 
@@ -195,6 +199,33 @@ def measured(content: bytes, chosen: Chosen) -> tuple[Profile | None, str | None
         return None, str(error), None
     except MemoryError:
         return None, "reading it takes too much memory; export it as CSV of x and z", None
+
+
+def read_curve(scene: Scene, content: bytes) -> tuple[dict[str, Any] | None, str | None]:
+    """Return (the measured curve in a file, or None; why the file is not usable, or None).
+
+    The curve has `kind`, `over`, `units`, `free` and `virgin` of a Recording, `noise` {quantity: standard deviation},
+    `points`, `notes`, and `segments` [{"name", "x", "F", "L" or "A"}], thinned out to be drawn, without holds.
+    """
+    try:
+        with worker.bounded_memory(MEMORY):
+            read = read_measurement(scene, content)
+    except DataError as error:
+        return None, str(error)
+    except MemoryError:
+        return None, "reading it takes too much memory; thin it out"
+    moving = [each for each in read.segments if each.name != "hold"]
+    points = sum(each.x.size for each in moving)
+    every = 1 + points // LAID
+    segments = []
+    for each in moving:
+        columns = {"x": each.x} | each.values
+        segments.append({"name": each.name} | {name: y[::every].tolist() for name, y in columns.items()})
+    over, names = KINDS[read.kind], moving[0].values
+    units = {name: read.units[name] for name in (over, *names)}
+    made = {"kind": read.kind, "over": over, "units": units, "free": read.free, "segments": segments}
+    made |= {"virgin": getattr(read, "virgin", True), "points": int(points), "notes": " ".join(read.notes)}
+    return made | {"noise": {name: noise_in(read, name) for name in names}}, None
 
 
 def _drawn(trace):

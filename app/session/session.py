@@ -13,7 +13,9 @@ from app.service.jobs import jobs as shared_jobs
 from app.service.requests import Requests
 from app.service.worker import KERNELS
 from app.session import controls, orders
+from app.session.classes import Attendance
 from app.session.extras import Film, Layer, Marks
+from app.session.measured import MeasuredCurve
 from app.session.orders import Wire, order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
@@ -38,11 +40,11 @@ class Session:
         self.pursuit = Pursuit(self)
         self.pages = pages(self)
         self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
-        self.marks = Marks(self)
+        self.marks, self.curve, self.attendance = Marks(self), MeasuredCurve(self), Attendance(self)
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
         self.reading = Requests(self)  # reads an uploaded profile
-        self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer)
+        self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer, self.curve, self.attendance)
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
@@ -53,6 +55,8 @@ class Session:
             self.closed = True
             self.pursuit.close()
             self.pages.close()
+            self.attendance.leave()
+            self.curve.forget()
             beside = self.film, self.layer, self.marks
             for part in (self.reading, self.share, self.share.code, *beside):
                 part.cancel()

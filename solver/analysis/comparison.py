@@ -93,18 +93,18 @@ def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
             off.setdefault(name, []).append(seen - found)
     rms = {name: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for name, parts in off.items()}
     units = {name: "N/m" if measured.units[name] == "N" else measured.units[name] for name in off}
-    noise = {name: _noise(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
+    noise = {name: noise_in(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
     return Comparison(rows, rms, noise, units, outside, shift, scale, zero)
+
+
+def noise_in(measured: Measurement | Recording, name: str) -> float:
+    """Standard deviation of the noise of a quantity in all segments together, in the unit of the curve."""
+    parts = [segment.values[name] for segment in _moving(measured)]
+    return float(np.sqrt(np.mean([noise_of(y, drops_of(y)) ** 2 for y in parts])))
 
 
 def _moving(measured):
     return [segment for segment in measured.segments if segment.name != "hold"]
-
-
-def _noise(measured, name):
-    """The standard deviation of the noise, of all segments together."""
-    parts = [segment.values[name] for segment in _moving(measured)]
-    return float(np.sqrt(np.mean([noise_of(y, drops_of(y)) ** 2 for y in parts])))
 
 
 def _curve(measured, result, k):
@@ -139,7 +139,7 @@ def _stage(measured, segments, result, k):
         end = first.U_s if first else np.inf
         return [frame for frame in slides[0] if frame.U_x <= end] if slides else []
     same = [frames for frames in slides if (frames[0].stage.kind == "back") == (segment.name == "back")]
-    if (kind == "friction" or measured.virgin) and k < len(slides) and slides[k] in same:
+    if (kind != "loop" or measured.virgin) and k < len(slides) and slides[k] in same:
         return slides[k]
     return same[-1] if same else []
 

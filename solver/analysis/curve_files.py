@@ -14,7 +14,7 @@ from ..text import UNITS, counted
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
 
-NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A"
+NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A; U_x and A"
 # What a heading may say in place of a name, in small letters without blanks and signs
 NAMED = {
     "U_x": ("ux", "displacement", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
@@ -115,7 +115,8 @@ class _Reader:
             across = next(role for role in ("delta", "height", "position", "U_x") if role in of)
             names = {"delta": across, "L": load or force}
         elif kind == "area":
-            names = {"F": force, "A": area} if force else {"L": load, "A": area}
+            over = {"U_x": "U_x"} if "U_x" in of else {"F": force} if force else {"L": load}
+            names = over | {"A": area}
         else:
             own, other = ("L_bar", "L") if force == "F_bar" else ("L", "L_bar")
             if other in of and own not in of:
@@ -163,10 +164,13 @@ class _Reader:
         return self._recording("load", "delta", parts, values, across != "delta")
 
     def _area(self, taken):
-        """Area over a force: F, or L where there is no other."""
+        """Area over U_x; or over a force: F, or L where there is no other."""
         ((_, columns),) = taken
-        _, values = self._values(columns)
-        over = "F" if "F" in columns else "L"
+        lines, values = self._values(columns)
+        over = next(name for name in ("U_x", "F", "L") if name in columns)
+        if over == "U_x":
+            parts = self._named(lines, False) or parts_of(values["U_x"], "forth", "back")
+            return self._recording("area over displacement", over, parts, values)
         parts = [("", np.arange(values["A"].size))]
         return self._recording("area over load" if over == "L" else "area over force", over, parts, values)
 
@@ -355,7 +359,7 @@ def _kind(of):
         return "load"
     if "time" in of and (tangential or "force" in of):
         return "time"
-    if {"A", "A_bar"} & of.keys() and {"F", "force", "L", "F_bar", "L_bar"} & of.keys():
+    if {"A", "A_bar"} & of.keys() and {"U_x", "F", "force", "L", "F_bar", "L_bar"} & of.keys():
         return "area"
     return None
 

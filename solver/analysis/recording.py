@@ -19,7 +19,10 @@ BACK = 0.05  # of the range of x: a way back that is longer is another segment, 
 STILL, LASTING = 1e-3, 0.02  # of the range of x, and of the points: so many within so little are a hold
 VIRGIN = 0.1  # of the amplitude
 FEWEST = 8  # points of a segment; third differences of fewer leave no estimate of the noise
-KINDS = {"friction": "U_x", "loop": "U_x", "load": "delta", "area over force": "F", "area over load": "L"}
+KINDS = {
+    **{"friction": "U_x", "loop": "U_x", "area over displacement": "U_x"},
+    **{"load": "delta", "area over force": "F", "area over load": "L"},
+}
 
 
 class Segment(NamedTuple):

@@ -11,6 +11,7 @@ from app import lab
 from app.lab import accuracy, area_laws, base, fit, stick_slip
 from app.service import tasks
 from app.service.pool import pool
+from app.session import measured
 from solver import Scene, load_path
 from solver.accuracy.compare import Point
 from solver.analysis.friction_laws import onset
@@ -158,6 +159,15 @@ def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content
     assert "19 points" in page.text
     page.start(partial(page.read, content))
     assert said in page.text and page.measured.U_x.size == 19
+
+
+def test_the_page_fit_reads_the_curve_over_the_run_of_the_experiment_or_asks_for_the_file(monkeypatch):
+    monkeypatch.setitem(measured._kept, "key", b"U_x,F\n" + ROWS)
+    for key, said in (("key", "19 points"), ("gone", "Choose the file again")):
+        page = fit.Fit(SMALL)
+        page.key = key
+        page.layout()
+        assert said in page.text
 
 
 def test_no_fit_starts_without_a_measurement_or_a_free_parameter():

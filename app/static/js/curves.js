@@ -59,7 +59,7 @@ export function drawCurves(run, ghost, approach) {
   nameGhost(run, ghost)
   nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, approach)
-  const values = (name) => [...known.keys()].map((of) => part(of, name).value)
+  const values = (name) => [...[...known.keys()].map((of) => part(of, name).value), me.laid?.shown[name] ?? []]
   fitCurves(run, approach, ["F", "L"].map(values), values("A"))
 }
 

@@ -8,7 +8,7 @@ import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
-import { declared, beginChange, me, redraw, reduced, set } from "./store.js"
+import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -117,6 +117,17 @@ function connectChart(name) {
   })
 }
 
+// A file dropped on the page is a measured curve
+function connectDrop() {
+  if (alone) return
+  document.addEventListener("dragover", (event) => event.preventDefault())
+  document.addEventListener("drop", async (event) => {
+    const [file] = event.dataTransfer.files
+    event.preventDefault()
+    if (file) (await fetched(() => import("./later/overlay.js")))?.read(file)
+  })
+}
+
 const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
@@ -168,6 +179,8 @@ export function connect() {
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
   on("pin", "click", async () => (await fetched(() => import("./later/pins.js")))?.pinRun())
+  on("data", "click", async () => (await fetched(() => import("./later/overlay.js")))?.choose())
+  connectDrop()
   on("take", "click", async () => (await fetched(() => import("./share.js")))?.open())
   on("slow", "click", slowMotion)
   on("help", "click", KEYS["?"])

@@ -1,0 +1,50 @@
+"""The measured curve that a visitor lays over the run: a worker reads it, the browser draws it.
+
+This server keeps its content for the page *Fit* until the visitor drops another one or leaves.
+"""
+
+import secrets
+from typing import Any
+
+from app.service import tasks
+from app.service.requests import Requests
+from app.session import orders
+from app.session.orders import order
+
+_kept: dict[str, bytes] = {}  # {key: content of a file}, one per visitor at most
+
+
+def content_of(key: str) -> bytes | None:
+    """Return the content of the file with a key, or None if its visitor has left."""
+    return _kept.get(key)
+
+
+class MeasuredCurve(Requests):
+    """The file of one visitor. `key`: an unguessable name of what is kept of it, "" for nothing."""
+
+    key = ""
+
+    @order("curve", content=orders.is_content)
+    def read(self, content: bytes) -> None:
+        """Read a measured curve, or forget the last one for an empty content.
+
+        The message `curve` has it, or why the file is not usable: then the last one stays.
+        """
+        if not content:
+            return self.forget()
+        call = tasks.read_curve, self.session.scene, content
+        return self.ask(call, lambda made: self._made(made, content), private=True, seconds=tasks.READING)
+
+    def _made(self, made: Any, content: bytes) -> None:
+        curve, why = made or (None, "it could not be read in time; thin it out")
+        if curve is not None:
+            self.forget()
+            self.key = secrets.token_urlsafe(9)
+            _kept[self.key] = content
+        self.session.send("curve", curve=curve, why=why, key=self.key)
+
+    def forget(self) -> None:
+        """Keep no file, and read none."""
+        self.cancel()
+        _kept.pop(self.key, None)
+        self.key = ""
