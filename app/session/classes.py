@@ -32,6 +32,7 @@ class Class:
     students: set["Attendance"] = field(default_factory=set)
     stop: dict[str, Any] = field(default_factory=dict)
     votes: dict["Attendance", int] = field(default_factory=dict)
+    asked: int = 0  # questions so far
 
     def tell(self, *others: "Attendance") -> None:
         """Send the state of the class to the teacher, and to other visitors."""
@@ -57,16 +58,16 @@ class Attendance:
         """Join the class with a code: as its teacher if it is new, or with the teacher's secret."""
         if self.of or not CODE.fullmatch(code):
             raise orders.Refused
+        leads = code not in _classes
         found = _classes.setdefault(code, Class(code))
-        returns = found.teacher is None and (not found.students or secrets.compare_digest(secret, found.secret))
-        if not returns and len(found.students) >= STUDENTS:
+        if leads or secrets.compare_digest(secret.encode(), found.secret.encode()):  # a page opened anew comes back
+            found.teacher = self
+        elif len(found.students) < STUDENTS:
+            found.students.add(self)
+        else:
             self.session.notes = [f"Class {code} has {STUDENTS} students. Open another code."]
             return
         self.of = found
-        if returns:
-            found.teacher = self
-        else:
-            found.students.add(self)
         found.tell(self)
 
     @order("lead", stop=orders.is_whole, phase=PHASES.__contains__, ask=ASKED.__contains__, change=orders.are_entries)
@@ -81,8 +82,9 @@ class Attendance:
         question = {"ask": ask, "change": change or {}} if ask else {}
         if phase == "ask":
             self.of.votes.clear()
+            self.of.asked += 1
             base = address_of(self.session.scene, self.session.preset) if ask else {}
-            self.of.stop = {"stop": stop, "base": base} | question
+            self.of.stop = {"asked": self.of.asked, "stop": stop, "base": base} | question
         self.of.stop = self.of.stop | {"phase": phase}
         self.of.tell(*self.of.students)
 

@@ -185,6 +185,7 @@ export function connect() {
   on("slow", "click", slowMotion)
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
+  on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())
   on("open-theory", "click", async () => (await fetched(() => import("./later/model.js")))?.openTheory())
   on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })

@@ -71,6 +71,7 @@ export function start({ wire, slots, declarations, index }) {
     kept = true
     import("./share.js")
   })
-  const stop = Number(new URLSearchParams(location.search).get("tour"))
+  const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
+  if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }

@@ -14,7 +14,7 @@ export const declared = {} // what Python declares, as main.js receives it
 const fields = {
   // the run on screen, the pale one behind it, the computed run that was on screen when the change began
   run: null, ghost: null, start: null,
-  pins: [], laid: null, // see later/pins.js, later/overlay.js
+  pins: [], laid: null, lesson: null, // see later/pins.js, later/overlay.js, later/lesson.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last
   film: null, // {run, k, paused}: a state of a slow motion, drawn in place of the frame

@@ -1,6 +1,7 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
 import { sceneChanges } from "./address.js"
+import { order } from "./channel.js"
 import { charts, CURVES } from "./charts.js"
 import { by, make, makeButton, readdress, tell } from "./dom.js"
 import { openPage } from "./pages.js"
@@ -10,23 +11,46 @@ import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { exact, frame, me, redraw, set, view } from "./store.js"
 import { drawSprings } from "./tour/springs.js"
-import { STOPS } from "./tour/stops.js"
+import { ownStop, slipValue, STOPS } from "./tour/stops.js"
 import { choose, lettersAreKeys } from "./view.js"
+import { inWords } from "./words.js"
 
 const { dataset } = document.documentElement
-let before = null // {U} of the first slip of the usual scene, to compare with
+const known = {} // {base: first slip of a scene that another one is compared with}
 let unseen = null // the scene that nobody has seen
 let at = 0, phase = "ask", chosen = null, card = null
+const OWN = -1 // the place of a question that a teacher has written
+const here = () => (at === OWN ? ownStop(me.lesson) : STOPS[at])
+const baseOf = ({ preset, values }) => JSON.stringify([preset, values])
 
 export function openTour(stop = 1) {
+  enterStop(Math.max(0, Math.min(STOPS.length - 1, stop - 1)))
+  if (me.lesson?.leads) order("lead", { stop: at + 1, phase: "ask" })
+}
+
+function enterStop(place) {
   readdress((asked) => asked.delete("tour")) // it opens the tour, and whoever gets a link from here would be in it
   addEventListener("popstate", left)
-  at = Math.max(0, Math.min(STOPS.length - 1, stop - 1))
+  at = place
   card ??= makeCard()
   card.hidden = false
   if (document.querySelector(".page").dataset.page) openPage("")
   begin()
 }
+
+// The class is at another stop, or its answers have come
+let led = 0 // number of the question that the class was at last
+export function follow() {
+  const { leads, stop, asked, phase: theirs } = me.lesson, moved = asked !== led
+  if (stop === undefined) return
+  led = asked
+  if (moved && (!leads || !stop)) return enterStop(stop - 1)
+  if (!card || card.hidden) return
+  if (theirs === "run" && phase === "ask") show()
+  else if (phase === "ask") write()
+}
+const student = () => me.lesson?.stop === at + 1 && !me.lesson.leads && me.lesson.phase !== "run"
+const teacher = () => me.lesson?.stop === at + 1 && me.lesson.leads
 
 function close() {
   card.hidden = true
@@ -58,53 +82,61 @@ const figureOf = (name) => document.querySelector(`.view[data-view="${name}"]`)
 
 // A scene is asked for, and its future hidden until the prediction is made
 function begin() {
-  const stop = STOPS[at]
+  const stop = here()
   phase = "wait"
   chosen = null
-  unseen = stop.unseen && before ? stop.unseen[Math.floor(Math.random() * stop.unseen.length)] : null
+  unseen = stop.unseen && baseOf(stop) in known ? stop.unseen[pick(stop.unseen.length)] : null
   choose(stop.curve)
   restore({ preset: stop.preset, ...asTexts(wanted()) })
   write()
 }
 
-const wanted = () => ({ ...STOPS[at].values, ...unseen?.values })
+// One of so many scenes: a class has the same one
+const pick = (count) => Math.floor((me.lesson ? parseInt(me.lesson.code, 36) : Math.random() * count) % count)
+
+const wanted = () => ({ ...here().values, ...unseen?.values })
 const asTexts = (values) => Object.fromEntries(Object.entries(values).map(([name, value]) => [name, `${value}`]))
+
+const same = (a, b) => `${a}` === `${b}` || Number(a) === Number(b) // of values, or their texts
 
 // Whether the server is at the scene of the stop
 const atStop = () => {
   const { preset, values } = me.status
-  return preset === STOPS[at].preset
-    && Object.entries(wanted()).every(([name, value]) => Number(values[name]) === value)
+  return preset === here().preset && Object.entries(wanted()).every(([name, value]) => same(values[name], value))
 }
 const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run)
   && !me.stale
 const failed = () => me.status.state === "failed" && atStop()
 
-// With the usual scene, what others are compared with; the last stop begins again once that is known
+// A stop about a scene that nobody has seen begins again once it is known what that is compared with
 function learn() {
-  if (me.status.preset !== "fig6" || Object.keys(wanted()).length) return false
-  before = firstSlip(me.run)
-  return Boolean(STOPS[at].unseen)
+  if (unseen) return false
+  known[baseOf(here())] = firstSlip(me.run)
+  return Boolean(here().unseen)
 }
 
-// The places of the right answer first: of a scene that nobody has seen, from its run
+// Before and now: what a stop about a scene that nobody has seen asks of their first slips
+const compared = () => [known[baseOf(here())], firstSlip(me.run)].map((slip) => slipValue(here().of, slip))
+
+// The place of the right answer: of a scene that nobody has seen, from its run
 function right() {
-  if (!STOPS[at].unseen) return 0
-  const now = firstSlip(me.run)
-  if (!now || now.U > before.U + 0.1) return 1
-  return now.U < before.U - 0.1 ? 0 : 2
+  if (!here().unseen) return 0
+  const [then, now] = compared()
+  if (then === now || Math.abs(now - then) < here().same(then)) return 2
+  return now < then ? 0 : 1
 }
 
 const NAMES = {
   E: ["a stiffness of", "GPa"], delta_bar: ["a press depth of", "δ₀"], phi_ratio: ["a grip of", "times the adhesion"],
 }
 function filled(text) {
-  const [[name, value]] = Object.entries(unseen?.values ?? { E: 70 }), [head, unit] = NAMES[name]
-  const now = phase === "wait" ? null : firstSlip(me.run)
-  const parts = {
-    change: `${head} ${minus(value)} ${unit}`, reason: unseen?.why ?? "",
-    before: before ? fixed(before.U, 1) : "", after: now ? fixed(now.U, 1) : "no place",
-  }
+  if (!here().unseen) return text
+  const changes = Object.entries(unseen?.values ?? {}).map(([name, value]) => {
+    const [head, unit] = NAMES[name] ?? [`${inWords(name)} =`, ""]
+    return `${head} ${minus(value)} ${unit}`.trim()
+  })
+  const [then, now] = compared().map((value) => (Number.isFinite(value) ? fixed(value, 1) : "no place"))
+  const parts = { change: changes.join(", "), reason: unseen?.why ?? "", before: then, after: now }
   return text.replaceAll(/{(\w+)}/g, (_, part) => parts[part])
 }
 
@@ -121,16 +153,24 @@ function watch() {
     write()
     card.querySelector("button.answer")?.focus()
   }
-  if (phase === "show" && me.run.curves.U_x[Math.max(0, me.drawn)] >= STOPS[at].to) {
+  const to = phase === "show" ? Math.min(here().to ?? (firstSlip(me.run)?.U ?? Infinity) + 1, me.run.along.at(-1)) : 0
+  if (phase === "show" && me.run.curves.U_x[Math.max(0, me.drawn)] >= to) {
     // a slow machine plays in leaps
-    goto(me.run.curves.U_x.findIndex((place, k) => k >= me.run.sheared && place >= STOPS[at].to))
+    goto(me.run.curves.U_x.findIndex((place, k) => k >= me.run.sheared && place >= to))
     phase = "why"
     write()
   }
 }
 
 function answer(index) {
+  if (teacher() || (student() && chosen !== null)) return
   chosen = index
+  if (!student()) return show()
+  order("vote", { answer: index })
+  write()
+}
+
+function show() {
   phase = "show"
   set({ at: Math.max(0, me.run.sheared), following: false })
   play(true)
@@ -157,8 +197,8 @@ function hideFuture() {
 const paragraph = (className, ...parts) => make("p", { className }, ...parts)
 
 function write() {
-  const stop = STOPS[at]
-  const title = make("h2", {}, `${at + 1} of ${STOPS.length}: ${stop.name}`)
+  const stop = here()
+  const title = make("h2", {}, at === OWN ? stop.name : `${at + 1} of ${STOPS.length}: ${stop.name}`)
   Object.assign(dataset, { tour: phase, shows: stop.shows ?? "" })
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
   if (phase === "wait") card.append(paragraph("", waiting()))
@@ -176,10 +216,25 @@ function writeQuestion(stop) {
   card.append(paragraph("question", filled(stop.question)))
   card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
   if (phase === "show") card.append(paragraph("note", "Watch …"))
+  if (asking && student() && chosen !== null) card.append(paragraph("note", "Your answer counts. Watch the screen."))
+  if (asking && teacher()) card.append(...lead())
+}
+
+// What the teacher sees under a question: how many have answered, then how they did, then the run
+function lead() {
+  const { answered, here: of, counts } = me.lesson, next = counts ? "run" : "shown"
+  const go = () => {
+    order("lead", { stop: at + 1, phase: next })
+    if (next === "run") show()
+  }
+  return [paragraph("note", `${answered} of ${of} answered`),
+    make("div", { className: "answers ways" }, makeButton({ onclick: go }, counts ? "Run" : "Show the answers"))]
 }
 
 function writeReason(stop) {
-  const yes = make("b", {}, chosen === right() ? "Yes. " : "Not so. ")
+  const { counts, answered } = (teacher() && me.lesson) || {}
+  const all = counts ? `${counts[right()]} of ${answered} are right. ` : ""
+  const yes = make("b", {}, chosen === null ? all : chosen === right() ? "Yes. " : "Not so. ")
   card.append(make("p", { role: "status" }, yes, filled(stop.why)))
   if (stop.springs) card.append(make("canvas", { className: "springs" }))
   drawReason()
@@ -194,10 +249,10 @@ function drawReason() {
 // Buttons to the stop before, to the visitor's turn, and on; the last leads to the end
 function ways() {
   const next = STOPS[at + 1], buttons = []
-  if (at) buttons.push(makeButton({ onclick: () => openTour(at) }, "Previous"))
+  if (at > 0) buttons.push(makeButton({ onclick: () => openTour(at) }, "Previous"))
   if (phase === "why") buttons.push(makeButton({ onclick: takeTurn }, "Your turn"))
   if (next) buttons.push(makeButton({ onclick: () => openTour(at + 2) }, `Next: ${next.name}`))
-  else if (phase === "turn") {
+  else if (phase === "turn" && at !== OWN) {
     buttons.push(makeButton({ onclick: () => openPage("load", { what: "sweep" }) }, "Friction over load"),
       makeButton({ onclick: close }, "Finish"))
   }
@@ -207,15 +262,22 @@ function ways() {
 // An answer; once the reason is shown, only that chosen and the right one
 function answerButton(i) {
   const reason = i === right() ? "right" : i === chosen && "wrong"
-  const mark = { show: i === chosen && "chosen", why: reason }[phase]
+  const mark = { ask: i === chosen && "chosen", show: i === chosen && "chosen", why: reason }[phase]
   if (phase === "why" && !mark) return null
-  const given = { className: "answer", disabled: phase !== "ask", onclick: () => answer(i), data: mark ? { mark } : {} }
-  return makeButton(given, STOPS[at].answers[i])
+  const asks = phase === "ask" && !teacher() && chosen === null
+  const given = { className: "answer", disabled: !asks, onclick: () => answer(i), data: mark ? { mark } : {} }
+  const made = makeButton(given, here().answers[i])
+  const { counts, answered } = (teacher() && me.lesson) || {}
+  if (counts) {
+    made.append(make("b", { className: "votes" }, `${counts[i]}`))
+    made.style.setProperty("--part", counts[i] / Math.max(1, answered))
+  }
+  return made
 }
 
 // 1 to 3 choose an answer
 function onDigit(event) {
-  const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = STOPS[at].order[place]
+  const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = here().order[place]
   if (place < 0 || !lettersAreKeys() || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
     || event.target.matches?.("input[type=text]")) return
   event.preventDefault()
@@ -226,5 +288,5 @@ function onDigit(event) {
 function takeTurn() {
   phase = "turn"
   write()
-  by(STOPS[at].turn).focus()
+  by(here().turn).focus()
 }

@@ -1,7 +1,8 @@
 // The stops of the tour. preset and values: the scene; to: nm of the path at which a stop ends; curve: the one that is
 // asked about; shows: the part of *More* that this stop brings; answers: the right one first, shown in `order`;
 // springs: whether a picture of them argues the reason; turn: the slider to play with, ask: what to try with it;
-// unseen: scenes that nobody has seen, the right answer taken from the run, with why
+// unseen: scenes that nobody has seen, the right answer taken from the run, with why; of: what of its first slip is
+// asked, same: what is no difference from a value
 
 export const STOPS = [
   {
@@ -74,6 +75,7 @@ export const STOPS = [
   },
   {
     name: "What you have learnt", preset: "fig6", values: {}, to: 20, order: [0, 1, 2], curve: "forces",
+    of: "U_s", same: () => 0.1,
     unseen: [
       { values: { E: 140 },
         why: "A stiffer punch builds up force faster, so its springs give way after a shorter pull." },
@@ -95,3 +97,24 @@ export const STOPS = [
       + "sliders are yours, and More has the lens, the tractions, the contact area and its map.",
   },
 ]
+
+const OF_SLIP = { U_s: "U", F_s: "F", L_s: "L", A_s: "A" } // {what a question is about: of an event}
+// A value of a first slip; without one nothing holds, and none comes
+export const slipValue = (of, slip) => (slip ? slip[OF_SLIP[of]] : of === "U_s" ? Infinity : 0)
+
+const ASKED = { // {what a question is about: in words}
+  U_s: ["How far must the top be pulled until it slips", "nm"], F_s: ["How large is the friction when it slips", "N/m"],
+  L_s: ["What is the load when it slips", "N/m"], A_s: ["How large is the contact when it slips", "nm"],
+}
+
+// The stop of a question that a teacher has written: what a change does to the first slip of the scene at hand
+export function ownStop({ ask, change, base: { preset = "fig6", ...values } }) {
+  const [question, unit] = ASKED[ask]
+  return {
+    name: "A question", preset, values, order: [0, 1, 2], curve: ask === "A_s" ? "area" : "forces",
+    of: ask, same: (value) => 0.01 * Math.abs(value), unseen: [{ values: change, why: "" }],
+    question: `Now {change}. ${question}, compared with {before} ${unit} before?`,
+    answers: ["less", "more", "the same, within 1 %"], why: `It is {after} ${unit} instead of {before} ${unit}.`,
+    turn: "delta_bar", ask: "The sliders are yours.",
+  }
+}

@@ -1,0 +1,102 @@
+"""A class that answers, without a browser: who leads, one vote each, and what hostile students can change."""
+
+import pytest
+from visitor import Page
+
+from app.session import classes
+
+
+@pytest.fixture
+def visitors(pool):
+    """Join a class as another visitor: join(code, secret)."""
+    pages = []
+
+    def join(code="ABCD", secret=""):
+        pages.append(Page(pool))
+        pages[-1].order("join", code=code, secret=secret)
+        return pages[-1]
+
+    yield join
+    for page in pages:
+        page.session.close()
+    assert not classes._classes  # nothing is kept of a class that everybody has left
+
+
+def told(page):
+    """The state of the class that a visitor was sent last."""
+    while not page.calls.empty():
+        page.run_next()
+    return [message for message in page.messages if message["kind"] == "class"][-1]
+
+
+def test_the_first_visitor_of_a_code_leads_and_the_others_follow(visitors):
+    teacher, student = visitors(), visitors()
+    teacher.order("lead", stop=3, phase="ask")
+    assert told(teacher)["leads"] and told(teacher)["here"] == 1
+    late = visitors()
+    assert not told(student)["leads"] and told(student)["stop"] == told(late)["stop"] == 3
+    assert not {"here", "answered", "counts", "secret"} & told(student).keys()
+
+
+def test_thirty_votes_are_counted_and_shown_once_the_teacher_shows_them(visitors):
+    teacher = visitors()
+    students = [visitors() for _ in range(30)]
+    teacher.order("lead", stop=1, phase="ask")
+    for k, student in enumerate(students):
+        student.order("vote", answer=k % 3)
+    assert told(teacher)["answered"] == 30 and told(teacher)["counts"] is None
+    teacher.order("lead", stop=1, phase="shown")
+    assert told(teacher)["counts"] == [10, 10, 10]
+    students[0].order("vote", answer=1)  # too late
+    assert told(teacher)["counts"] == [10, 10, 10]
+    teacher.order("lead", stop=2, phase="ask")
+    assert told(teacher)["answered"] == 0
+
+
+def test_a_hostile_student_has_one_vote_and_leads_nobody(visitors):
+    teacher, student, hostile = visitors(), visitors(), visitors()
+    teacher.order("lead", stop=1, phase="ask")
+    for _ in range(10_000):
+        hostile.order("vote", answer=2)
+    for forged in (
+        {"stop": 9, "phase": "ask"},
+        {"stop": -1, "phase": "ask"},
+        {"stop": 1, "phase": "over"},
+        {"stop": 1, "phase": "ask", "ask": "secret", "change": {"E": "1"}},
+    ):
+        hostile.order("lead", **forged)
+    for answer in (3, -1, "1", 1.5, None):
+        hostile.order("vote", answer=answer)
+    hostile.order("join", code="ABCD", secret="guess")
+    teacher.order("lead", stop=1, phase="shown")
+    assert told(teacher)["counts"] == [0, 0, 1] and told(student)["stop"] == 1
+
+
+@pytest.mark.parametrize("code", ["abcd", "ABC", "ABCDE", "AB1D", "", "ÄBCD", "ABCD\n"])
+def test_a_code_of_anything_but_four_letters_is_refused(visitors, code):
+    page = visitors(code)
+    assert not page.messages and page.session.notes
+
+
+def test_a_teacher_whose_page_is_opened_anew_leads_again_and_others_do_not(visitors):
+    teacher, student = visitors(), visitors()
+    secret = told(teacher)["secret"]
+    teacher.session.close()
+    assert not told(visitors())["leads"] and told(visitors(secret=secret))["leads"]
+    assert not told(student)["leads"]
+
+
+def test_a_full_class_is_named_and_its_students_stay(visitors, monkeypatch):
+    monkeypatch.setattr(classes, "STUDENTS", 1)
+    teacher, _ = visitors(), visitors()
+    third = visitors()
+    assert "has 1 students" in third.session.notes[0]
+    assert told(teacher)["here"] == 1 and third.session.attendance.of is None
+
+
+def test_a_question_of_the_teacher_carries_the_scene_at_hand(visitors):
+    teacher, student = visitors(), visitors()
+    teacher.session.scene = teacher.session.scene.changed(E=35.0)
+    teacher.order("lead", stop=0, phase="ask", ask="F_s", change={"phi_ratio": "0.5"})
+    sent = told(student)
+    assert sent["base"]["E"] == "35" and (sent["ask"], sent["change"]) == ("F_s", {"phi_ratio": "0.5"})
