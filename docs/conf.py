@@ -1,4 +1,4 @@
-"""The documentation: `python docs/build.py` executes the tutorials and builds all pages, links checked."""
+"""The documentation: `python docs/build.py` executes tutorials and gallery, and builds all pages, links checked."""
 
 import re
 from pathlib import Path
