@@ -1,4 +1,4 @@
-"""Build the documentation with its tutorials executed: `python docs/build.py [FOLDER]`.
+"""Build the documentation, with tutorials and gallery executed: `python docs/build.py [FOLDER]`.
 
 Every warning is an error: a broken reference between pages, a tutorial that fails, a docstring that does not parse.
 """

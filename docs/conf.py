@@ -1,6 +1,7 @@
-"""The documentation: `python docs/build.py` executes the tutorials and builds all pages, links checked."""
+"""The documentation: `python docs/build.py` executes tutorials and gallery, and builds all pages, links checked."""
 
 import re
+from pathlib import Path
 
 project = "mixed-mode-contact"
 author = "The mixed-mode-contact authors"
@@ -26,6 +27,33 @@ def plain(app, what, name, obj, options, lines):
         lines[k] = re.sub(r"([|*\\])", r"\\\1", line)
 
 
+SECTION = """
+## {title}
+
+{claim}
+
+```{{code-cell}} ipython3
+:tags: [remove-input]
+show("{path}")
+```
+
+```{{literalinclude}} {path}
+:start-at: "{code}"
+```
+"""
+
+
+def gallery(app, page, source):
+    """Append a section for each script to the page of the gallery: claim, number, picture, code."""
+    if page == "gallery":
+        for path in sorted(Path(app.srcdir, "gallery").glob("*.py")):
+            _, doc, code = path.read_text(encoding="utf-8").split('"""', 2)
+            title, _, claim = doc.partition(".\n\n")
+            first = code.lstrip().partition("\n")[0]
+            source[0] += SECTION.format(title=title, claim=claim, path=f"gallery/{path.name}", code=first)
+
+
 def setup(app):
-    """Connects the hook; see https://www.sphinx-doc.org/en/master/extdev/event_callbacks.html."""
+    """Connects the hooks; see https://www.sphinx-doc.org/en/master/extdev/event_callbacks.html."""
     app.connect("autodoc-process-docstring", plain)
+    app.connect("source-read", gallery)
