@@ -73,5 +73,6 @@ export function start({ wire, slots, declarations, index }) {
   })
   const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
+  if (asked.has("check")) import("./later/check.js")
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }
