@@ -3,12 +3,12 @@
 `python tests/bench/latency.py [--url URL] [--moves N] [--drag] [--throttle N] [--json FILE]` starts a server unless it
 has a --url.
 The page takes the times, from the slider's input event to the animation frame after the one that painted the new run.
-There is one visitor, on a warm server. Without --drag, each key step follows the curve of the one before.
-With it, each of three sliders is dragged at 20 moves a second, slowly and quickly, forth and back. It prints new curves
-per second, their age, the time from the release to the exact run, the duration of interactions (Event Timing), and
-the bytes of a drag. --laid repeats the drags with a measured curve over the run, which was dropped on the page, and
-prints how soon it was drawn, and the ratio of curves a second. --throttle 4 is a school's Chromebook: a processor 4 times as slow, on 1366 x 768. Scenes are new
-to the server without --known.
+There is one visitor, on a warm server. Without --drag, each key step follows the curve of the one before. With it,
+each of three sliders is dragged at 20 moves a second, slowly and quickly, forth and back. It prints new curves per
+second, their age, the time from the release to the exact run, the duration of interactions (Event Timing), and the
+bytes of a drag. --laid repeats the drags with a measured curve over the run, which was dropped on the page, and prints
+how soon it was drawn, and the ratio of curves a second. --throttle 4 is a school's Chromebook: a processor 4 times as
+slow, on 1366 x 768. Scenes are new to the server without --known.
 """
 
 import argparse
