@@ -183,3 +183,16 @@ def test_a_named_file_runs_all_its_tests_and_a_choice_leaves_thorough_ones_out()
     thorough = collected("-m", "thorough")
     assert thorough and thorough <= collected()
     assert not thorough & collected("-m", "not slow")
+
+
+def test_every_function_on_the_way_of_a_slider_step_exists():
+    text = (ROOT / "docs" / "slider_step.md").read_text(encoding="utf-8")
+    sources = [path for folder in ("app", "solver") for path in (ROOT / folder).rglob("*.*")]
+    code = "\n".join(path.read_text(encoding="utf-8") for path in sources if path.suffix in (".py", ".js"))
+    for quoted in re.findall(r"`([^`]+)`", text):
+        if "/" in quoted or quoted.endswith((".py", ".js")):
+            where = quoted.split(" ")[0]
+            assert (ROOT / where).exists() or list((ROOT / "app").rglob(where)), quoted
+        else:
+            name = quoted.split(".")[-1]
+            assert re.search(rf"\b(?:def|function|class|const) {name}\b|\b{name}[:=(]", code), quoted
