@@ -21,9 +21,8 @@ from ..scene import LIMITS, Scene
 from ..tables import DataError
 from ..text import counted
 from .comparison import Comparison, compared
-from .fit import Fit, alike, fit, uncertainty
+from .fit import Fit, alike, check_plausible, fit, uncertainty
 from .measurement import Measurement
-from .plausible import check_plausible
 from .recording import Recording
 from .trial import NO_RUN
 

@@ -15,7 +15,7 @@ from ..following.skeleton import Skeleton
 from ..scene import LIMITS, Scene, SceneError
 from ..text import counted
 from .measurement import Measurement
-from .outputs import NAMES
+from .partial import NAMES
 from .prediction import Predicted
 from .sensitivities import sensitivities
 
