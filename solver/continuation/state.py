@@ -51,15 +51,13 @@ class NotConverged(RuntimeError):
 
     outcome = Outcome.LOST
 
+    def __init__(self, message: str, outcome: Outcome | None = None) -> None:
+        super().__init__(message)
+        self.outcome = outcome or self.outcome
+
 
 class Restless(NotConverged):
     """A transient does not come to rest; smaller increments would not change that."""
-
-    outcome = Outcome.RESTLESS
-
-
-class Moving(NotConverged):
-    """A transient still moves after the most steps: it may be slow, or never come to rest."""
 
     outcome = Outcome.RESTLESS
 

@@ -215,9 +215,7 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
     if scene.damping < 1.0 and failure.outcome is Outcome.RESTLESS:
         remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
-    told = kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
-    told.outcome = failure.outcome
-    return told
+    return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}", failure.outcome)
 
 
 def _turned(problem, state, was_held, following):
