@@ -275,17 +275,6 @@ def ended(scene: Scene, frames: Sequence[Frame], by: NotConverged, checkpoint: C
     return Result(scene, frames, None if by.outcome.reached else str(by), checkpoint, by.outcome)
 
 
-@one_thread()
-def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
-    """(the Frames of a path up to its end or failure, the reason of the failure or None)."""
-    frames: list[Frame] = []
-    try:
-        frames.extend(path)
-    except NotConverged as failure:
-        return frames, None if failure.outcome.reached else str(failure)
-    return frames, None
-
-
 def with_progress(scene: Scene, path: Iterable[Any], **options: Any) -> Iterable[Any]:
     """What a scene's path yields for its increments, counted by a bar on standard error; options: those of tqdm."""
     from tqdm import tqdm  # only who asks for a bar needs it

@@ -51,7 +51,7 @@ class NotConverged(RuntimeError):
 
     outcome = Outcome.LOST
 
-    def __init__(self, message: str, outcome: Outcome | None = None) -> None:
+    def __init__(self, message: str = "", outcome: Outcome | None = None) -> None:
         super().__init__(message)
         self.outcome = outcome or self.outcome
 
