@@ -174,7 +174,7 @@ class Result:
         if Path(file).suffix == ".csv":
             self.table.to_csv(file, index=False, lineterminator="\n")
         else:
-            plots.save(file, self.plot, title=repr(self.scene), notes=self.notes)
+            plots.save(file, self.plot, repr(self.scene), self.notes)
 
     def to_xarray(self) -> xr.Dataset:
         """The curves over the increment, and the tractions T_x and T_z (GPa) over increment and x (nm).
