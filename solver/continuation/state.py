@@ -100,11 +100,6 @@ class State(NamedTuple):
         """The first state of a branch."""
         return State(load, v, [(load, v)], **more)
 
-    @staticmethod
-    def undeformed(problem, load) -> "State":
-        """The state in which only the load acts on the unknowns."""
-        return State.at_rest(load, problem.undeformed(load))
-
 
 def slipped(problem, before, load, after) -> bool:
     """Whether a State `after` lies farther from the one `before` than a branch leads up to that load, nm."""

@@ -124,7 +124,8 @@ class Run:
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.observe = observe
         before = stepper.problem.evaluations
-        state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
+        load = step.at(checkpoint.increment)
+        state = checkpoint.state or State.at_rest(load, stepper.problem.undeformed(load))
         index, done, trace = self._increment(step, checkpoint.increment, state, checkpoint.trace or Trace.of(state))
         self.done, problem = done, stepper.problem
         events = tuple(self._event(step, slip) for slip in done.slips)

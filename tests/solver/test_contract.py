@@ -301,7 +301,7 @@ def test_a_contact_is_advanced_with_the_problem_of_its_state(stepper_of):
     ends = []
     for make in (lambda problem, closed: QuasiStatic(problem, 1.0, closed), stepper_of):
         stepper = make(Equilibrium(Contact(scene, *patch(scene)), sideways(1.0, -scene.delta)), closed_stiffness(scene))
-        start = State.undeformed(stepper.problem, 0.0)
+        start = State.at_rest(0.0, stepper.problem.undeformed(0.0))
         done = advanced(stepper, start, [0.1, 0.2, 0.3])[-1]
         assert done.state.v.size == stepper.problem.size and done.residual <= scene.tolerance
         surface = np.zeros((2, scene.nodes))
