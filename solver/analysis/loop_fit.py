@@ -45,7 +45,7 @@ class Ran(NamedTuple):
 
 @dataclass(eq=False)
 class LoopModel:
-    """Residuals of a loop by the free parameters. best: (cost, x, Comparison) of one mean; runs: how many so far."""
+    """Residuals of a loop by the free parameters. best: (cost, x, Comparison) of one mean; done: all runs."""
 
     scene: Scene
     measured: Recording
@@ -53,7 +53,6 @@ class LoopModel:
     end: float
     executor: Executor | None = None  # computes the runs of a derivative at once
     best: tuple[float, Floats, Comparison] | None = None
-    runs: int = 0
     done: dict[tuple[float, ...], Comparison] = field(default_factory=dict)
 
     def residuals(self, x: Floats, points: int) -> Floats:
@@ -62,7 +61,6 @@ class LoopModel:
         if key not in self.done:
             if perf_counter() > self.end:
                 raise TimeoutError
-            self.runs += 1
             self.done[key] = comparison_at(self.scene, self.measured, self.free, key)
         found, off = self.done[key], off_of(self.done[key])
         ends = np.cumsum([segment.x.size for segment in self.measured.segments if segment.name != "hold"])[:-1]
@@ -81,7 +79,6 @@ class LoopModel:
             keys = [key for key in map(tuple, beside.tolist()) if key not in self.done]
             run = partial(comparison_at, self.scene, self.measured, self.free)
             self.done |= zip(keys, self.executor.map(run, keys), strict=True)
-            self.runs += len(keys)
         here = self.residuals(x, points)
         return np.array([self.residuals(each, points) - here for each in beside]).T / step
 
@@ -172,4 +169,4 @@ def fit_of_loop(
     rows = [
         (U_x, f"{name}_bar", seen / units[name], computed / units[name]) for _, U_x, name, seen, computed in found.rows
     ]
-    return Fit(found_at, errors, correlations, chi2, reached, model.runs, tuple(warnings), rows, off)
+    return Fit(found_at, errors, correlations, chi2, reached, len(model.done), tuple(warnings), rows, off)

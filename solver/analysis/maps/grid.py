@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -124,7 +124,8 @@ class Map:
         """A row per Point: i, j, the two parameters, and every other field of Point, "" for None."""
         from pandas import DataFrame  # takes longer to import than the solver
 
-        table = DataFrame([point.as_row() for point in points], columns=COLUMNS, dtype=object)
+        table = DataFrame(list(map(astuple, points)), columns=COLUMNS, dtype=object)
+        table = table.where(table.notna(), "")
         table.insert(2, self.x.name, self.x.values[table["i"].astype(int)])
         table.insert(3, self.y.name, self.y.values[table["j"].astype(int)])
         return table
