@@ -89,21 +89,14 @@ class Result:
         """
         import pandas as pd
 
-        least, lowered = least_force(self.frames), ["delta_s (nm)"] * (self.scene.path in ("unload", "points"))
-        rows = [self._slip(frame, event, least) for frame in self.frames for event in frame.slips]
-        columns = ["stage", FIRST[0], *lowered, *FIRST[1:], "kind", "sensitive"]
-        return pd.DataFrame(rows, columns=columns)
-
-    def _slip(self, frame, event, least):
-        """A SlipEvent of a Frame as a row of `slips`."""
-        U_s, delta_s = slip_at(frame, event)
-        row = {
-            "stage": event.stage,
-            "delta_s (nm)": delta_s,
-            "kind": kind_of(frame, event),
-            "sensitive": event.sensitive,
-        }
-        return row | dict(zip(FIRST, first_of(frame, event, least)._replace(U_s=U_s), strict=True))
+        rows, least = list[tuple](), least_force(self.frames)
+        for frame in self.frames:
+            for event in frame.slips:
+                values = values_of(frame, event, least)
+                numbers = (*slip_at(frame, event), *(values[name] for name in "FLA"))
+                rows.append((event.stage, *numbers, values["kind"], event.sensitive))
+        table = pd.DataFrame(rows, columns=["stage", FIRST[0], "delta_s (nm)", *FIRST[1:], "kind", "sensitive"])
+        return table if self.scene.path in ("unload", "points") else table.drop(columns="delta_s (nm)")
 
     @property
     def first_slip(self) -> FirstSlip | None:
@@ -283,9 +276,9 @@ def with_progress(scene: Scene, path: Iterable[Any], **options: Any) -> Iterable
     return tqdm(path, total=count, unit=" increments", **options)
 
 
-def first_of(frame: Frame, event: SlipEvent, least: float = 0.0) -> FirstSlip:
-    """The FirstSlip of a SlipEvent of a Frame; forces up to `least` are zero."""
-    values = values_of(frame, event, least)
+def first_of(frame: Frame, event: SlipEvent) -> FirstSlip:
+    """The FirstSlip of a SlipEvent of a Frame."""
+    values = values_of(frame, event)
     return FirstSlip(event.load, values["F"], values["L"], values["A"])
 
 

@@ -14,6 +14,7 @@ from ..continuation.replay import advanced
 from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, Restless, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
+from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
@@ -159,7 +160,8 @@ class Run:
         if self._place == place:
             return self.stepper
         scene = self.scene
-        problem = step.problem(Contact(scene, *self.patch), checkpoint.pressure)
+        pressure = checkpoint.pressure if step.held else None
+        problem = Equilibrium(Contact(scene, *self.patch), step.loading, pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
         options = {"far": DRIVEN} if self._fast and sudden else {}
         method = METHODS.get(self.method, self.method)
