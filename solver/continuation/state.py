@@ -149,8 +149,3 @@ class Increment(NamedTuple):
     state: State
     slips: tuple[End, ...] = ()
     repeated: bool = False  # known from earlier, moved on by lattice periods and verified
-
-    @property
-    def residual(self) -> float:
-        """The state's, nm."""
-        return self.state.residual

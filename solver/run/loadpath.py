@@ -130,7 +130,7 @@ class Run:
         index, done, trace = self._increment(step, checkpoint.increment, state, checkpoint.trace or Trace.of(state))
         self.done, problem = done, stepper.problem
         events = tuple(self._event(step, slip) for slip in done.slips)
-        numbers = step.stage, index, done.residual, problem.evaluations - before
+        numbers = step.stage, index, done.state.residual, problem.evaluations - before
         frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
         return frame, checkpoint._replace(**self._after(checkpoint, load_steps, step, index, done.state, trace))
 
