@@ -13,7 +13,7 @@ Nyquist mode is uncoupled. The residual max |U + C T(u) - u| (nm) is the error m
 What each module and folder holds; none imports from a line below its own:
 tables                          columns of numbers from text files
 schema, surfaces                parameters with ranges and choices, shapes of the surface
-round_off, scene                the smallest residual that double precision resolves; the Scene
+scene                           the Scene
 text, profile, presets          scenes from text, profiles from files, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem
 mechanics/                      the physics: NP1 law, elastic layer, contact

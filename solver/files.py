@@ -1,15 +1,14 @@
 """The files of a run: curves as CSV, curves and fields as NPZ, everything else as strict JSON."""
 
-import csv
 import json
 import subprocess
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
 from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,21 +19,15 @@ from .run.frame import Frame
 from .run.summary import curves_of, fields_of, left_out, summarize
 from .scene import Scene
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 SCHEMA = 2  # of JSON and NPZ files: raised when a field changes its name or meaning
 
 
-def write_rows(file: str | PathLike, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Writes a table as CSV."""
-    with open(file, "w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(heading)
-        writer.writerows(rows)
-
-
-def write_csv(file: str | PathLike, frames: Sequence[Frame]) -> None:
-    """Writes the table of a run, a row per Frame, numbers in full precision."""
-    curves = curves_of(frames)
-    write_rows(file, curves, zip(*curves.values(), strict=True))
+def write_table(file: str | PathLike, table: "pd.DataFrame") -> None:
+    """Writes a table as CSV, numbers in full precision."""
+    table.to_csv(file, index=False, lineterminator="\n")
 
 
 def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], method: str = "fast") -> None:

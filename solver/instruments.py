@@ -6,7 +6,7 @@ That package is imported only for a file that is no text. It needs `pip install 
 import re
 import warnings
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +20,6 @@ BEGINNINGS = (b"aBCR-1", b"aISO-1", b"bBCR-1", b"WSxM file", b"# Channel: ", b"\
 LINE = re.compile(r"(row|column) (\d{1,6})")
 
 
-class Line(NamedTuple):
-    """A line of a surface: x and z (n,) in nm, z nan where it is missing; note: where it is from."""
-
-    x: NDArray[np.float64]
-    z: NDArray[np.float64]
-    note: str
-
-
 def is_instruments(content: bytes) -> bool:
     """Whether a file is no table of numbers in text: it has null bytes but no mark of UTF-16, or a known beginning."""
     start = content[:4096]
@@ -36,11 +28,14 @@ def is_instruments(content: bytes) -> bool:
     return b"\0" in start or start.startswith(BEGINNINGS)
 
 
-def read_line(content: bytes, unit: str | None = None, line: str | None = None) -> Line:
+def read_line(
+    content: bytes, unit: str | None = None, line: str | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
     """Reads a line of the default channel of a file.
 
     Parameters: content: the bytes of the file; unit: of lengths, where the file names none; line: "row 12" or
     "column 12" of a map, by default the row through its highest point.
+    Returns (x (n,) nm, z (n,) nm, nan where it is missing, a note on where they are from).
     Raises DataError for a file that is not known, for one without a unit, and where the package is not installed.
     """
     try:
@@ -72,7 +67,7 @@ def read_line(content: bytes, unit: str | None = None, line: str | None = None) 
     length = float(sizes[0]) * nm
     high = float(np.nanmax(z) - np.nanmin(z))
     note = f"{type(reader).__name__}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
-    return Line(np.arange(z.size, dtype=np.float64) * (length / z.size), z, note)
+    return np.arange(z.size, dtype=np.float64) * (length / z.size), z, note
 
 
 def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from math import nan
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -91,17 +90,12 @@ def _points(curve):
         yield curve._replace(x=x, y=y, values=value)
 
 
-def work_precision(
-    points: Iterable[Any],
-    work: str,
-    error: Callable[[Any], float | None] = attrgetter("branch_error"),
-    alpha: float = 1.0,
-) -> list[Curve]:
+def work_precision(points: Iterable[Any], work: str, alpha: float = 1.0) -> list[Curve]:
     """Lines with markers, one a method: error over `work`, seconds or evaluations, of Points of `accuracy.compare`."""
     drawn = []
     for name, (colour, marker) in METHODS.items():
-        own = [p for p in points if p.series == name and not p.failure and error(p) is not None]
-        at = [max(getattr(p, work), LEAST) for p in own], [max(error(p) or 0.0, LEAST) for p in own]
+        own = [p for p in points if p.series == name and not p.failure and p.branch_error is not None]
+        at = [max(getattr(p, work), LEAST) for p in own], [max(p.branch_error, LEAST) for p in own]
         drawn += [
             Curve(name, *at, colour, alpha=alpha),
             Curve("", *at, colour, marker=marker, size=9.0, alpha=alpha, values=[f"{p.value:g}" for p in own]),

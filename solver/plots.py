@@ -62,21 +62,19 @@ def _contact_map(scene, frames, across):
     return hv.QuadMesh((at, x, T_z.T), kdims, value).opts(hv.opts.QuadMesh(cmap="RdBu_r", colorbar=True))
 
 
-def first_slips(table: pd.DataFrame, x: str, y: str, of: str | None) -> hv.Layout:
-    """A column of a map (default: U_s) over its two parameters, and the regimes; points without a value are blank."""
+def first_slips(table: pd.DataFrame, x: str, y: str, of: str) -> hv.Layout:
+    """A column of a map over its two parameters, and the regimes; points without a value are blank."""
     import holoviews as hv
     import pandas as pd
 
     _ready()
     kdims = [hv.Dimension(name, unit=LIMITS[name].unit or None) for name in (x, y)]
-    column = of if of not in (None, "regime") else "U_s"
     table = table.sort_values([y, x])
-    cells = pd.DataFrame(
-        {name: [f"{value:.4g}" for value in table[name]] for name in (x, y)}
-    )  # of one size on any axis
-    cells[column] = [float(value) if value not in ("", None) else np.nan for value in table[column]]
-    cells["regime"] = [regime or "no result" for regime in table["regime"]]
-    numbers = hv.HeatMap(cells, kdims, hv.Dimension(column, unit=UNITS.get(column)))
+    # of one size on any axis
+    cells = pd.DataFrame({name: [f"{value:.4g}" for value in table[name]] for name in (x, y)})
+    cells[of] = [float(value) if value != "" else np.nan for value in table[of]]
+    cells["regime"] = list(table["regime"])
+    numbers = hv.HeatMap(cells, kdims, hv.Dimension(of, unit=UNITS.get(of)))
     regimes = {name: hv.Points(part, kdims, []) for name, part in cells.groupby("regime", sort=False)}
     return _sized(numbers.opts(hv.opts.HeatMap(colorbar=True)) + hv.NdOverlay(regimes, kdims="regime"))
 
@@ -124,20 +122,8 @@ def _sized(layout):
     return layout
 
 
-def refusal(file: str | PathLike) -> str | None:
-    """Why a plot cannot be written to a file of this name, and what to do; None if it can."""
-    suffix = Path(file).suffix
-    if suffix not in BACKENDS:
-        return f"file = {str(file)!r}; allowed: a name that ends in {', '.join(BACKENDS)}; rename it"
-    if BACKENDS[suffix] == "matplotlib" and find_spec("matplotlib") is None:
-        return f"{suffix} needs matplotlib: pip install mixed-mode-contact[plots], or write .html"
-    return None
-
-
-def save(
-    file: str | PathLike, draw: Callable[..., Any], *content: Any, title: str = "", notes: Iterable[str] = ()
-) -> None:
-    """Writes the plot draw(*content) as HTML that opens without internet, or as PNG or SVG (needs matplotlib).
+def save(file: str | PathLike, draw: Callable[[], Any], title: str, notes: Iterable[str]) -> None:
+    """Writes the plot draw() as HTML that opens without internet, or as PNG or SVG (needs matplotlib).
 
     draw is called once the backend is chosen. title: above the plot, with the version; notes: sentences below it.
     Raises ValueError for another suffix, ImportError without matplotlib.
@@ -146,12 +132,14 @@ def save(
 
     from . import __version__
 
-    suffix, why = Path(file).suffix, refusal(file)
-    if why:
-        raise ImportError(why) if suffix in BACKENDS else ValueError(why)
-    text = ", ".join([*([title] if title else []), f"mixed-mode-contact {__version__}"])
+    suffix = Path(file).suffix
+    if suffix not in BACKENDS:
+        raise ValueError(f"file = {str(file)!r}; allowed: a name that ends in {', '.join(BACKENDS)}; rename it")
+    if BACKENDS[suffix] == "matplotlib" and find_spec("matplotlib") is None:
+        raise ImportError(f"{suffix} needs matplotlib: pip install mixed-mode-contact[plots], or write .html")
+    text = f"{title}, mixed-mode-contact {__version__}"
     with drawn_with(BACKENDS[suffix]):
-        drawn = hv.render(draw(*content), backend=BACKENDS[suffix])
+        drawn = hv.render(draw(), backend=BACKENDS[suffix])
     if BACKENDS[suffix] == "matplotlib":
         drawn.suptitle("\n".join(wrap(text, 90)), y=0.99, va="bottom", fontsize="medium")
         drawn.savefig(file, bbox_inches="tight", metadata={"Title": text})

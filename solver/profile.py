@@ -92,32 +92,29 @@ def read_profile(
     points, notes, marked = _points(source, unit, line)
     periodic = marked or None if periodic is None and width is None else periodic
     points, cut = _cut(points, width, part)
-    notes += cut
     _reject_few(points)
     period = _period(points, periodic)
     length = period or (points.length if width is None else float(width))
-    low, high = LENGTHS
-    if not low <= length <= high:
-        reason = f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm"
-        raise DataError(reason, points.last)
-    _reject_unlikely(points)
-    if period:
-        points = _closed(points, period)
-    if cut_off is not None:
-        points, smooth = _filtered(points, cut_off, bool(period))
-        notes += smooth
-    if period:
-        _reject_steep(points, True)
-        done = [f"The ends meet: read as one period of {length:.6g} nm; nothing was removed or joined."]
-    else:
-        points, tilt = _levelled(points)
-        points, step = _joined(points)
-        done = [tilt, step]
+    _reject_unlikely(points, length)
+    points, done = _one_period(points, period, cut_off)
     z, resampled = _at_equal_distances(points)
     start = int(np.argmin(z))
     shift = f"Shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
     shift += f"; with fewer nodes than {z.size} each shows the mean over the node spacing."
-    return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
+    return Profile(length, np.roll(z, -start), (*notes, *cut, *done, *resampled, shift))
+
+
+def _one_period(points, period, cut_off):
+    """(Points filtered, and of one period: as they are, or levelled and with their ends joined; [notes])."""
+    if period:
+        points = _closed(points, period)
+    points, notes = (points, []) if cut_off is None else _filtered(points, cut_off, bool(period))
+    if period:
+        _reject_steep(points, True)
+        return points, [*notes, f"The ends meet: read as one period of {period:.6g} nm; nothing was removed or joined."]
+    points, tilt = _levelled(points)
+    points, step = _joined(points)
+    return points, [*notes, tilt, step]
 
 
 def _points(source, unit, line):
@@ -186,8 +183,12 @@ def _two_of(table):
     return x_z, tuple((2 * units)[:2]) or None, [f"Not used: {listed(rest)}."] * bool(rest)
 
 
-def _reject_unlikely(points):
-    """Raises DataError for heights that a wrong unit makes, without their tilt."""
+def _reject_unlikely(points, length):
+    """Raises DataError for a length, nm, and for heights without their tilt, that a wrong unit makes."""
+    low, high = LENGTHS
+    if not low <= length <= high:
+        reason = f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm"
+        raise DataError(reason, points.last)
     x, z = points.x - points.x.mean(), points.z - points.z.mean()
     rms, most = float((z - x * (x @ z) / (x @ x)).std()), 0.1 * points.length
     if not LOWEST <= rms <= most:

@@ -89,21 +89,14 @@ class Result:
         """
         import pandas as pd
 
-        least, lowered = least_force(self.frames), ["delta_s (nm)"] * (self.scene.path in ("unload", "points"))
-        rows = [self._slip(frame, event, least) for frame in self.frames for event in frame.slips]
-        columns = ["stage", FIRST[0], *lowered, *FIRST[1:], "kind", "sensitive"]
-        return pd.DataFrame(rows, columns=columns)
-
-    def _slip(self, frame, event, least):
-        """A SlipEvent of a Frame as a row of `slips`."""
-        U_s, delta_s = slip_at(frame, event)
-        row = {
-            "stage": event.stage,
-            "delta_s (nm)": delta_s,
-            "kind": kind_of(frame, event),
-            "sensitive": event.sensitive,
-        }
-        return row | dict(zip(FIRST, first_of(frame, event, least)._replace(U_s=U_s), strict=True))
+        rows, least = list[tuple](), least_force(self.frames)
+        for frame in self.frames:
+            for event in frame.slips:
+                values = values_of(frame, event, least)
+                numbers = (*slip_at(frame, event), *(values[name] for name in "FLA"))
+                rows.append((event.stage, *numbers, values["kind"], event.sensitive))
+        table = pd.DataFrame(rows, columns=["stage", FIRST[0], "delta_s (nm)", *FIRST[1:], "kind", "sensitive"])
+        return table if self.scene.path in ("unload", "points") else table.drop(columns="delta_s (nm)")
 
     @property
     def first_slip(self) -> FirstSlip | None:
@@ -174,7 +167,7 @@ class Result:
         if Path(file).suffix == ".csv":
             self.table.to_csv(file, index=False, lineterminator="\n")
         else:
-            plots.save(file, self.plot, title=repr(self.scene), notes=self.notes)
+            plots.save(file, self.plot, repr(self.scene), self.notes)
 
     def to_xarray(self) -> xr.Dataset:
         """The curves over the increment, and the tractions T_x and T_z (GPa) over increment and x (nm).
@@ -275,17 +268,6 @@ def ended(scene: Scene, frames: Sequence[Frame], by: NotConverged, checkpoint: C
     return Result(scene, frames, None if by.outcome.reached else str(by), checkpoint, by.outcome)
 
 
-@one_thread()
-def collected(path: Iterable[Frame]) -> tuple[list[Frame], str | None]:
-    """(the Frames of a path up to its end or failure, the reason of the failure or None)."""
-    frames: list[Frame] = []
-    try:
-        frames.extend(path)
-    except NotConverged as failure:
-        return frames, None if failure.outcome.reached else str(failure)
-    return frames, None
-
-
 def with_progress(scene: Scene, path: Iterable[Any], **options: Any) -> Iterable[Any]:
     """What a scene's path yields for its increments, counted by a bar on standard error; options: those of tqdm."""
     from tqdm import tqdm  # only who asks for a bar needs it
@@ -294,9 +276,9 @@ def with_progress(scene: Scene, path: Iterable[Any], **options: Any) -> Iterable
     return tqdm(path, total=count, unit=" increments", **options)
 
 
-def first_of(frame: Frame, event: SlipEvent, least: float = 0.0) -> FirstSlip:
-    """The FirstSlip of a SlipEvent of a Frame; forces up to `least` are zero."""
-    values = values_of(frame, event, least)
+def first_of(frame: Frame, event: SlipEvent) -> FirstSlip:
+    """The FirstSlip of a SlipEvent of a Frame."""
+    values = values_of(frame, event)
     return FirstSlip(event.load, values["F"], values["L"], values["A"])
 
 

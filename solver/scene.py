@@ -3,13 +3,13 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import ceil, floor, inf
+from math import ceil, e, floor, hypot, inf, pi, sqrt
+from sys import float_info
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .round_off import attainable
 from .schema import Choice, Points, Range, SceneError, number, parameters, path_points, unknown_name, word
 from .surfaces import SURFACES, Profile, undeformed_gap
 
@@ -194,8 +194,27 @@ class Scene:
 
     @property
     def attainable(self) -> float:
-        """Smallest residual that double precision resolves, nm: see `round_off`."""
-        return attainable(self)
+        """Smallest residual that double precision resolves, nm: round-off of u, amplified by the interface.
+
+        A displacement u has the error eps u, its traction eps u times the interface's stiffness. These errors are
+        independent from node to node. The layer multiplies them by the root mean square of its compliance over all
+        modes, ((c^2 + 4 k (h/G)^2)/nodes)^1/2, with k the number of waves longer than h and c the compliance of layer
+        and drive to a uniform traction. Flat on flat, all nodes share one error, but at a gap where the interface has a
+        tenth of its largest stiffness.
+        """
+        stiffness = max(self.phi_n / self.delta_n**2, 2.0 * self.phi_t / self.delta_t**2)
+        h, nu = self.height * self.width, self.nu
+        long_waves = (3.0 - 4.0 * nu) / (8.0 * pi * (1.0 - nu)) / self.height
+        layer, driven = h / self.shear_modulus, h / self.shear_modulus + max(self.drive_compliance)
+        amplified = min(driven, hypot(driven, 2.0 * sqrt(long_waves) * layer) / sqrt(self.nodes))
+        if self.surface == "flat":
+            amplified = 0.1 * driven
+        # how far adhesion can draw the surface down: the layer as a whole and a wave as long as the cell
+        compliance = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)) * h + min(h, long_waves * h)
+        drawn = (compliance / self.shear_modulus + self.drive_compliance[1]) * self.phi_n / (e * self.delta_n)
+        largest = self.farthest + self.delta_0 + abs(self.deepest) + min(drawn, 0.5 * float(self.profile.max()))
+        # on soft scenes, the largest measured round-off of a residual is twice the estimate
+        return 2.0 * float_info.epsilon * largest * stiffness * amplified
 
     def _approaches(self):
         """Whether the points begin with an approach, and none repeats the one before."""

@@ -17,11 +17,8 @@ def _blas() -> ThreadpoolController:
     return ThreadpoolController().select(user_api="blas")
 
 
-class _Uses:
-    """Contexts that are open now, in any thread: the first one sets the limit, the last one lifts it."""
-
-    lock, count = Lock(), 0
-    limit: Any = None
+_lock = Lock()
+_open: list[Any] = []  # a place for each context that is open now, in any thread; the first one holds the limit
 
 
 @contextmanager
@@ -30,14 +27,11 @@ def one_thread() -> Iterator[None]:
 
     Within another one it costs nothing: setting the limit takes as long as a force evaluation.
     """
-    with _Uses.lock:
-        _Uses.count += 1
-        if _Uses.count == 1:
-            _Uses.limit = _blas().limit(limits=1)
+    with _lock:
+        _open.append(None if _open else _blas().limit(limits=1))
     try:
         yield
     finally:
-        with _Uses.lock:
-            _Uses.count -= 1
-            if not _Uses.count:
-                _Uses.limit.restore_original_limits()
+        with _lock:
+            if limit := _open.pop():  # the last one
+                limit.restore_original_limits()

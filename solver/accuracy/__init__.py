@@ -2,6 +2,5 @@
 
 compare        the work of a run, and its distance from a reference
 measure        runs of one scene over the tolerance and the increment, by `fast` and by the paper's GFMD
-report         their meaning in words, tables, diagrams and plain data
-document       a report as text and as a page
+report         their meaning in words, tables and plain data
 """

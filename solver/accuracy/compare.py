@@ -109,7 +109,7 @@ def reference(scene: Scene) -> Curves:
         curves = recorded(fine, load_path(fine, replay=False))
         if not curves.failure:
             return curves
-    raise NotConverged(curves.failure)
+    raise NotConverged(str(curves.failure))
 
 
 def perform(scene: Scene, method: Method, longest: float = inf, repeats: int = 1) -> Curves:

@@ -38,11 +38,6 @@ def choice(report: Report, sweep: str) -> str:
     )
 
 
-def failures(report: Report) -> list[str]:
-    """A line for every run that did not finish."""
-    return [f"{p.series}, {p.sweep} {p.value:g}: {p.failure}" for p in report.points if p.failure]
-
-
 def _row(p: Point):
     return {
         "series": p.series,
@@ -57,11 +52,6 @@ def _row(p: Point):
 
 def _short(value):
     return "-" if value is None else f"{value:.1e}"
-
-
-def title(report: Report) -> str:
-    """The scene's parameters that differ from the default, and the end of the runs."""
-    return f"{changes(report.scene) or 'default scene'}, up to U_x = {report.reference.u_x_max:g} nm"
 
 
 def notes(report: Report) -> list[str]:
@@ -84,11 +74,13 @@ def text(report: Report) -> str:
     """The whole report in lines, for a terminal."""
     from pandas import DataFrame  # takes longer to import than the solver
 
-    lines = [f"Error against run time: {title(report)}"]
+    scene, end = changes(report.scene) or "default scene", report.reference.u_x_max
+    lines = [f"Error against run time: {scene}, up to U_x = {end:g} nm"]
     for sweep in filter(report.of, SWEEPS):
         table = DataFrame([_row(p) for p in report.of(sweep)]).to_string(index=False, justify="left")
         lines += ["", f"{sweep} [{LIMITS[sweep].unit}]", table, choice(report, sweep)]
-    return "\n".join([*lines, "", *notes(report), *failures(report)])
+    failures = (f"{p.series}, {p.sweep} {p.value:g}: {p.failure}" for p in report.points if p.failure)
+    return "\n".join([*lines, "", *notes(report), *failures])
 
 
 def data(report: Report) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """Evaluations of frames and skeletons. No run needs them.
 
-partial, outputs, sensitivities
-                               derivatives of slips and curves by parameters and by nodes
+partial, sensitivities         derivatives of slips and curves by parameters and by nodes
 measurement, prediction, trial, fit
                                parameters from a measured curve
 interior                       stress and displacement inside the layer, mode by mode

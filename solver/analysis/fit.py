@@ -8,6 +8,7 @@ Source of the method: Branch, Coleman & Li 1999, doi:10.1137/S1064827595289108 (
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from math import exp
 from time import perf_counter
 
 import numpy as np
@@ -16,11 +17,10 @@ from scipy.optimize import least_squares
 
 from ..continuation.state import TINY, OutOfTime
 from ..scene import LIMITS, Scene
-from ..tables import Source
+from ..tables import DataError, Source
 from .curve_files import read_measurement
 from .measurement import JUMP, Measurement
 from .partial import DRIVE, continuous
-from .plausible import check_plausible
 from .prediction import AHEAD
 from .recording import Recording
 from .trial import AXES, NO_RUN, Model
@@ -28,6 +28,8 @@ from .trial import AXES, NO_RUN, Model
 APART = 0.99  # correlation from which a fit warns: each parameter then has 7 times the error it has alone
 FLAT = 1e-12  # eigenvalues below are round-off, of the normal matrix scaled to a unit diagonal
 LIMIT = 60.0  # s, of a fit: about as long as somebody waits
+PEAK = (2.0 / exp(1.0)) ** 0.5  # of one spring's shear traction over phi_t/delta_t
+FAR = 1e3  # factor between a measured force and that of the interface beyond which its unit is wrong
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 
 
@@ -80,16 +82,7 @@ def fit(
 
     Example: `fit(Scene(), "measured.csv", ["phi_n"]).values`
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is fit(scene, measured, free)")
-    data = measured if isinstance(measured, Measurement | Recording) else read_measurement(scene, measured)
-    allowed = (*continuous(scene), *([] if isinstance(data, Recording) else AXES))
-    if isinstance(free, str) or not free:
-        raise ValueError(f"free = {free!r}: allowed: a list of names, one or more; write [{free or allowed[0]!r}]")
-    for name in free:
-        if name not in allowed or list(free).count(name) > 1:
-            first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
-            raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
+    data = _fitted(scene, measured, free)
     if isinstance(data, Recording):
         from .loop_fit import fit_of_loop  # it calls this for the first pull
 
@@ -107,6 +100,40 @@ def fit(
         if _chi2(other) < _chi2(trial):
             model, trial, caution = uncut, other, its_caution
     return _fit_of(model, trial, caution)
+
+
+def _fitted(scene, measured, free):
+    """The Measurement or Recording that is meant; raises TypeError, ValueError, as `fit`."""
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is fit(scene, measured, free)")
+    data = measured if isinstance(measured, Measurement | Recording) else read_measurement(scene, measured)
+    allowed = (*continuous(scene), *([] if isinstance(data, Recording) else AXES))
+    if isinstance(free, str) or not free:
+        raise ValueError(f"free = {free!r}: allowed: a list of names, one or more; write [{free or allowed[0]!r}]")
+    for name in free:
+        if name not in allowed or list(free).count(name) > 1:
+            first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
+            raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
+    return data
+
+
+def check_plausible(scene: Scene, measured: Measurement) -> None:
+    """Raises DataError, with the remedy, for a sign, an origin or a unit that no parameters explain.
+
+    The largest friction of an interface is compared: phi_t/delta_t over the whole width, N/m, times PEAK.
+    """
+    U_x, F = measured.U_x, measured.values["F_bar"]
+    if (F < 0.0).mean() > 0.95:
+        raise DataError(f"F is negative at {(F < 0.0).sum()} of {F.size} points; turn its sign: F = -F")
+    start, span = float(U_x[0]), float(np.ptp(U_x))
+    if abs(start) > max(span, 10.0 * scene.spacing):
+        reason = f"U_x begins at {start:.6g} nm and spans {span:.4g} nm, and a run begins at 0"
+        raise DataError(f"{reason}; subtract {start:.6g} nm from U_x")
+    most = PEAK * scene.phi_t / scene.delta_t * scene.width
+    largest = float(np.abs(F).max()) * (measured.unit or scene.width * scene.E)
+    if most and not most / FAR**2 < largest < most * FAR:
+        reason = f"F reaches {largest:.3g} N/m; an interface as that of the scene resists with {most:.3g} N/m at most"
+        raise DataError(f"{reason}; check the unit of F, which is a force over the width across the pull")
 
 
 def _optimum(model, limit):

@@ -110,7 +110,7 @@ def friction_force(scene, frames) -> Friction:
         start = next((i for i, f in enumerate(shear) if f.u[0].min() >= scene.spacing), None)
     if start is None:
         raise ValueError(f"the contact has not slid by U_x = {scene.u_x_max:g} nm: enlarge u_x_max")
-    begin, seen = shear[start].U_slip if shear[start].slip else shear[start].U_x, shear[-1].U_x
+    begin, seen = shear[start].slips[0].load if shear[start].slip else shear[start].U_x, shear[-1].U_x
     if seen - begin < (1.0 - ROUND_OFF) * scene.spacing:
         raise ValueError(
             f"sliding from U_x = {begin:.4g} to {seen:.4g} nm, less than a lattice period of {scene.spacing:.4g} nm:"

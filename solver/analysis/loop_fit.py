@@ -21,9 +21,8 @@ from ..scene import LIMITS, Scene
 from ..tables import DataError
 from ..text import counted
 from .comparison import Comparison, compared
-from .fit import Fit, alike, fit, uncertainty
+from .fit import Fit, alike, check_plausible, fit, uncertainty
 from .measurement import Measurement
-from .plausible import check_plausible
 from .recording import Recording
 from .trial import NO_RUN
 
@@ -46,7 +45,7 @@ class Ran(NamedTuple):
 
 @dataclass(eq=False)
 class LoopModel:
-    """Residuals of a loop by the free parameters. best: (cost, x, Comparison) of one mean; runs: how many so far."""
+    """Residuals of a loop by the free parameters. best: (cost, x, Comparison) of one mean; done: all runs."""
 
     scene: Scene
     measured: Recording
@@ -54,7 +53,6 @@ class LoopModel:
     end: float
     executor: Executor | None = None  # computes the runs of a derivative at once
     best: tuple[float, Floats, Comparison] | None = None
-    runs: int = 0
     done: dict[tuple[float, ...], Comparison] = field(default_factory=dict)
 
     def residuals(self, x: Floats, points: int) -> Floats:
@@ -63,7 +61,6 @@ class LoopModel:
         if key not in self.done:
             if perf_counter() > self.end:
                 raise TimeoutError
-            self.runs += 1
             self.done[key] = comparison_at(self.scene, self.measured, self.free, key)
         found, off = self.done[key], off_of(self.done[key])
         ends = np.cumsum([segment.x.size for segment in self.measured.segments if segment.name != "hold"])[:-1]
@@ -82,21 +79,29 @@ class LoopModel:
             keys = [key for key in map(tuple, beside.tolist()) if key not in self.done]
             run = partial(comparison_at, self.scene, self.measured, self.free)
             self.done |= zip(keys, self.executor.map(run, keys), strict=True)
-            self.runs += len(keys)
         here = self.residuals(x, points)
         return np.array([self.residuals(each, points) - here for each in beside]).T / step
 
-    def search(self, x: Floats, means: tuple[int, ...]) -> tuple[Floats, Floats]:
-        """(x (n,) of least squares from a start, derivatives (k, n)), with these running means in turn."""
+    def search(self, x: Floats, means: tuple[int, ...], limit: float) -> tuple[Floats | None, str]:
+        """(derivatives (k, n) at the least squares from a start x by these means, what limits the values or "").
+
+        Without derivatives where the `limit` (s) stopped it. Raises OutOfTime.
+        """
         low, high = np.array([(LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
-        for points in means:
-            self.best = None
-            found = least_squares(
-                self.residuals, np.clip(x, low, high), self.jacobian, bounds=(low, high), loss="soft_l1",
-                x_scale=np.maximum(np.abs(x), 0.1), xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
-            )  # fmt: skip
-            x = found.x
-        return x, found.jac
+        try:
+            for points in means:
+                self.best = None
+                found = least_squares(
+                    self.residuals, np.clip(x, low, high), self.jacobian, bounds=(low, high), loss="soft_l1",
+                    x_scale=np.maximum(np.abs(x), 0.1), xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
+                )  # fmt: skip
+                x = found.x
+        except TimeoutError:
+            if self.best is None:
+                reason = f"no run of the loop was computed within {limit:g} s; allow more, or raise E"
+                raise OutOfTime(reason) from None
+            return None, f"stopped after {limit:g} s: the values are the best so far"
+        return found.jac, ""
 
 
 def comparison_at(scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...]) -> Comparison:
@@ -127,35 +132,13 @@ def looped(scene: Scene, measured: Recording) -> Scene:
     return scene.changed(path="points", points="; ".join(f"{U_x:.9g},{depth:.9g}" for U_x, depth in places))
 
 
-def searched(
-    scene: Scene,
-    measured: Recording,
-    free: tuple[str, ...],
-    start: Floats,
-    limit: float,
-    near: bool,
-    executor: Executor | None,
-) -> tuple[LoopModel, Floats, Floats | None, str]:
-    """(LoopModel, its best x (n,), derivatives (k, n) or None, what limits the values or "").
-
-    near: whether `start` is that of a fit of the first pull, so that the finest mean suffices. Raises OutOfTime.
-    """
-    model = LoopModel(scene, measured, free, perf_counter() + limit, executor)
-    try:
-        x, jacobian = model.search(start, POINTS[-1:] if near else POINTS)
-        return model, x, jacobian, ""
-    except TimeoutError:
-        if model.best is None:
-            raise OutOfTime(f"no run of the loop was computed within {limit:g} s; allow more, or raise E") from None
-        return model, model.best[1], None, f"stopped after {limit:g} s: the values are the best so far"
-
-
 def fit_of_loop(
     scene: Scene, measured: Recording, free: tuple[str, ...], limit: float, executor: Executor | None = None
 ) -> Fit:
     """The Fit of a Recording of a loop: of its first pull, if it has that, then of all of it."""
     if measured.unfit:
         raise DataError(measured.unfit)
+    # near: whether the start is that of a fit of the first pull, so that the finest mean suffices
     start, near = np.array([getattr(scene, name) for name in free]), False
     first, unit = measured.segments[0], scene.width * scene.E
     if measured.virgin and first.name == "forth":
@@ -168,7 +151,8 @@ def fit_of_loop(
             start, near = np.array(list(fit(scene, stroke, free, 0.5 * limit).values.values())), True
         except (*NO_RUN, TimeoutError):  # then the search begins where the scene is
             pass
-    model, x, jacobian, caution = searched(scene, measured, free, start, limit, near, executor)
+    model = LoopModel(scene, measured, free, perf_counter() + limit, executor)
+    jacobian, caution = model.search(start, POINTS[-1:] if near else POINTS, limit)
     assert model.best  # a search computes one run at least, or raises
     _, x, found = model.best
     off = off_of(found)
@@ -185,4 +169,4 @@ def fit_of_loop(
     rows = [
         (U_x, f"{name}_bar", seen / units[name], computed / units[name]) for _, U_x, name, seen, computed in found.rows
     ]
-    return Fit(found_at, errors, correlations, chi2, reached, model.runs, tuple(warnings), rows, off)
+    return Fit(found_at, errors, correlations, chi2, reached, len(model.done), tuple(warnings), rows, off)

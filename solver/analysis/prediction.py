@@ -25,15 +25,6 @@ class Curve(NamedTuple):
     by: Floats
 
 
-class Slips(NamedTuple):
-    """loads (n,) nm; by (names, n) per unit; branch (n,) that ends there; moved (n,) nm, its shift by whole periods."""
-
-    loads: Floats
-    by: Floats
-    branch: NDArray[np.int_]
-    moved: Floats
-
-
 class Predicted:
     """The curve of a run from its Sensitivities, cut into segments at its visible slips.
 
@@ -135,8 +126,12 @@ class Predicted:
         T = self.skeleton.tractions(states.unknowns(loads))
         return np.array([contact_area(self.skeleton.scene, T_at) for T_at in T])
 
-    def slips(self, most: int, names: tuple[str, ...]) -> Slips:
-        """The first visible Slips, `most` at most, with derivatives of their loads by the parameters `names`."""
+    def slips(self, most: int, names: tuple[str, ...]) -> tuple[Floats, Floats, NDArray[np.int_], Floats]:
+        """(loads (k,) nm, by (names, k) per unit, branch (k,), moved (k,) nm) of the first `most` visible slips.
+
+        by: derivatives of the loads by the parameters `names`; branch: the one that ends there; moved: its shift by
+        whole periods.
+        """
         scene, ends = self.skeleton.scene, [passes[-1] for passes in self.segments[:-1][:most]]
         branch, turns = np.array(ends, int).reshape(-1, 2).T
         sites = turns * self.skeleton.sites
@@ -145,7 +140,7 @@ class Predicted:
         by = by.reshape(len(names), loads.size)
         if "width" in names:
             by[names.index("width")] += sites / scene.nodes
-        return Slips(loads, by, branch, sites * scene.spacing)
+        return loads, by, branch, sites * scene.spacing
 
 
 def _without_end(branch, loads, names):

@@ -31,8 +31,7 @@ from ..run.load_steps import sideways
 from ..scene import LIMITS, Scene
 from ..schema import unknown_name
 from ..threads import one_thread
-from .outputs import explicit, gradients, over_own
-from .partial import Change, continuous, spectra
+from .partial import Change, continuous, explicit, gradients, over_own, spectra
 
 Floats = NDArray[np.float64]
 RESIDUAL = 1e-10  # nm, of residuals of folds and of the state whose load is held; at 1e-8 A_s has noise of 1e-10

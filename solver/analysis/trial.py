@@ -15,7 +15,7 @@ from ..following.skeleton import Skeleton
 from ..scene import LIMITS, Scene, SceneError
 from ..text import counted
 from .measurement import Measurement
-from .outputs import NAMES
+from .partial import NAMES
 from .prediction import Predicted
 from .sensitivities import sensitivities
 
@@ -24,17 +24,8 @@ EXACT = 1e-4  # of the node spacing: a slip cannot be measured more exactly
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
 RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
-
-
-class Axes(NamedTuple):
-    """measured U_x = U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar."""
-
-    offset_U: float = 0.0
-    scale_F: float = 1.0
-    offset_F: float = 0.0
-
-
-AXES = Axes._fields
+# measured U_x = U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar
+AXES = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}
 # of parameters that may be 0: an indentation of delta_n, a part of a lattice period in nm; offset_F: of the range of F
 SIZES = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1}
 
@@ -42,14 +33,13 @@ SIZES = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1}
 class Trial(NamedTuple):
     """Parameters x (n,), residuals (k,), their derivatives (k, n), and the run they come from.
 
-    axes: the Axes among the parameters. noise: that of the measured F, in F_bar.
+    noise: that of the measured F, in F_bar.
     """
 
     x: Floats
     residuals: Floats
     jacobian: Floats
     predicted: Predicted
-    axes: Axes
     noise: float
 
     @property
@@ -87,7 +77,7 @@ class Model:
         return np.clip([self._first(name) for name in self.free], *self.bounds())
 
     def _first(self, name):
-        return getattr(Axes() if name in AXES else self.scene, name)
+        return AXES[name] if name in AXES else getattr(self.scene, name)
 
     def bounds(self) -> Floats:
         """(lowest (n,), highest (n,))."""
@@ -152,17 +142,17 @@ class Model:
 
     def trial(self, x: Floats, skeleton: Skeleton) -> Trial:
         """The Trial of parameters x whose run is `skeleton`; raises NotFollowed where it slips too few times."""
-        axes = Axes(**{name: float(value) for name, value in zip(self.free, x, strict=True) if name in AXES})
-        U_x = self.measured.U_x - axes.offset_U
-        unit = axes.scale_F * self._unit(skeleton, "F_bar")
+        axes = AXES | dict(zip(self.free, map(float, x), strict=True))
+        U_x = self.measured.U_x - axes["offset_U"]
+        unit = axes["scale_F"] * self._unit(skeleton, "F_bar")
         start, reach = float(U_x[0]), float(U_x[-1])
         predicted = Predicted(sensitivities(skeleton, self.physical), self.measured.seen / unit, start, reach)
         curve = predicted.curve(U_x[self.kept], self.segment[self.kept], self.physical)
         parts = [self._quantity(k, curve, skeleton, axes) for k, name in enumerate(NAMES) if name in self.names]
-        parts.append(self._slips(predicted, axes.offset_U))
+        parts.append(self._slips(predicted, axes["offset_U"]))
         residuals, rows = zip(*parts, strict=True)
         noise = self.measured.noise["F_bar"] / unit
-        return Trial(x.copy(), np.concatenate(residuals), np.vstack(rows), predicted, axes, noise)
+        return Trial(x.copy(), np.concatenate(residuals), np.vstack(rows), predicted, noise)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -179,7 +169,7 @@ class Model:
     def _quantity(self, k, curve, skeleton, axes):
         """(residuals (points,), derivatives (points, n)) of F_bar, L_bar or A_bar, number k."""
         name, values, slopes = NAMES[k], curve.values[k], curve.slopes[k]
-        scaled = axes.scale_F if name == "F_bar" else 1.0
+        scaled = axes["scale_F"] if name == "F_bar" else 1.0
         gain = scaled * self._unit(skeleton, name)
         by = dict(zip(self.physical, gain * curve.by[:, k], strict=True))
         if self.measured.width if name == "A_bar" else self.measured.unit:  # N/m and nm grow with these
@@ -187,8 +177,8 @@ class Model:
             by |= {own: by[own] + gain * values / getattr(skeleton.scene, own) for own in grow & by.keys()}
         by["offset_U"] = -gain * slopes
         if name == "F_bar":
-            by |= {"scale_F": gain / axes.scale_F * values, "offset_F": np.ones(values.size)}
-        noise, offset = self.measured.noise[name], axes.offset_F if name == "F_bar" else 0.0
+            by |= {"scale_F": gain / axes["scale_F"] * values, "offset_F": np.ones(values.size)}
+        noise, offset = self.measured.noise[name], axes["offset_F"] if name == "F_bar" else 0.0
         residuals = gain * values + offset - self.measured.values[name][self.kept]
         return residuals / noise, self._columns(by, values.size) / noise
 
@@ -197,13 +187,13 @@ class Model:
         count = self.intervals.shape[1]
         if not predicted.slipping:  # the points of the curve lead on
             return np.zeros(count), np.zeros((count, len(self.free)))
-        slips = predicted.slips(count, self.physical)
-        if slips.loads.size < count:
-            predicted = f"{counted(slips.loads.size, 'predicted slip')}, {count} measured"
+        loads, slopes, *where = predicted.slips(count, self.physical)
+        if loads.size < count:
+            predicted = f"{counted(loads.size, 'predicted slip')}, {count} measured"
             raise NotFollowed(f"{predicted}; start from a scene that slips as often: vary E, phi_ratio or delta_bar")
-        by = dict(zip(self.physical, slips.by, strict=True)) | {"offset_U": np.ones(count)}
-        loads, errors = self._located(slips.branch, slips.moved)
-        return (slips.loads + offset - loads) / errors, self._columns(by, count) / errors[:, None]
+        by = dict(zip(self.physical, slopes, strict=True)) | {"offset_U": np.ones(count)}
+        measured, errors = self._located(*where)
+        return (loads + offset - measured) / errors, self._columns(by, count) / errors[:, None]
 
     def _located(self, branch, moved):
         """(measured loads of slips (n,) nm, their standard deviations (n,) nm).

@@ -4,8 +4,6 @@ main           all commands, exit codes, the lists of parameters and presets
 run, verify    one experiment, and a repeated one
 sweep          first slips of combinations of values
 accuracy       error against run time
-derivatives    sensitivities and fits
-maps           first slips over two parameters
 options        what commands share: the options of a scene, files, progress
 """
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from ..files import write_json
 from ..scene import Scene, SceneError
-from .options import add_command, add_file, progress, within, write
+from .options import add_command, add_file, count, progress, write
 
 
 def add_accuracy(commands: Any) -> None:
@@ -14,7 +14,7 @@ def add_accuracy(commands: Any) -> None:
     parser = add_command(commands, "accuracy", accuracy, "error against run time", text)
     parser.add_argument("--quick", action="store_true", help="one slip and fewer runs")
     slips = "end just beyond slip N in shear, default 2 (with --quick: 1)"
-    parser.add_argument("--slips", type=within(1), metavar="N", help=slips)
+    parser.add_argument("--slips", type=count, metavar="N", help=slips)
     add_file(parser, "json", "all results")
 
 

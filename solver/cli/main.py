@@ -3,8 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from io import TextIOWrapper
 from textwrap import wrap
 from typing import NoReturn
@@ -67,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         arguments = parser().parse_args(argv)
         with one_thread():
-            return arguments.command(arguments)
+            return arguments.command(arguments) or 0
     except (InputError, SceneError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
@@ -89,14 +88,8 @@ def parser() -> Parser:
         add(commands)
     for name, listing in (("parameters", parameter_table), ("presets", preset_table)):
         listed = commands.add_parser(name, help=f"list all {name}", description=f"Lists all {name}.")
-        listed.set_defaults(command=partial(print_listing, listing))
+        listed.set_defaults(command=lambda _, listing=listing: print(listing()))
     return parser
-
-
-def print_listing(listing: Callable[[], str], _: argparse.Namespace) -> int:
-    """Print a listing, and return the exit code."""
-    print(listing())
-    return 0
 
 
 def parameter_table() -> str:

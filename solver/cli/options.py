@@ -4,7 +4,6 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -44,20 +43,15 @@ def add_file(parser: argparse.ArgumentParser, option: str, content: str, **optio
     parser.add_argument(f"--{option}", type=_writable, metavar="FILE", help=f"write {content}", **options)
 
 
-def within(low: float, high: float = inf, kind: type = int) -> Callable[[str], float]:
-    """A type for argparse: a number from `low` to `high`, finite."""
-
-    def read(text):
-        try:
-            value = kind(text)
-        except ValueError:
-            value = None
-        if value is None or not low <= value <= high or value == inf:
-            span = f"{low:g} or more" if high == inf else f"{low:g} .. {high:g}"
-            raise argparse.ArgumentTypeError(f"{text}: allowed: {span}{', whole numbers' * (kind is int)}")
-        return value
-
-    return read
+def count(text: str) -> int:
+    """A type for argparse: a whole number from 1 on."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text}: allowed: 1 or more, whole numbers")
+    return value
 
 
 def _writable(file):
@@ -105,15 +99,13 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     return scene
 
 
-def settings(
-    pairs: Sequence[str], option: str = "--set", form: str = "NAME=VALUE", names: Iterable[str] = SETTABLE
-) -> dict[str, str]:
-    """{'name': 'text'} of the NAME=VALUE arguments of an option; raises InputError, which lists `names`."""
+def settings(pairs: Sequence[str], option: str = "--set", form: str = "NAME=VALUE") -> dict[str, str]:
+    """{'name': 'text'} of the NAME=VALUE arguments of an option; raises InputError."""
     texts = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals:
-            raise InputError(f"{option} {pair}: give {form}, NAME one of {', '.join(names)}")
+            raise InputError(f"{option} {pair}: give {form}, NAME one of {', '.join(SETTABLE)}")
         texts[name.strip()] = text.strip()
     return texts
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
-from ..files import report_of, write_csv, write_json, write_npz
+from ..files import report_of, write_json, write_npz, write_table
 from ..results import Result, ended, with_progress
 from ..run.held_load import held_at
 from ..text import counted
@@ -53,7 +53,7 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames), result.parted))
-    write(arguments.csv, write_csv, frames)
+    write(arguments.csv, lambda file: write_table(file, result.table))  # which imports pandas
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
     if failure is not None:

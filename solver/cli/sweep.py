@@ -6,10 +6,11 @@ from typing import Any
 
 from .. import sweep
 from ..executors import processes
+from ..files import write_table
 from ..scene import LIMITS, PARAMETERS, Scene
 from ..schema import unknown_name
 from ..text import number_from_text
-from .options import NOT_CONVERGED, add_command, add_file, settings, within, write
+from .options import NOT_CONVERGED, add_command, add_file, count, settings, write
 
 FORM = "NAME=VALUE,VALUE,..."
 COMPUTED = ("slips", "no slip")  # outcomes that are results
@@ -21,7 +22,7 @@ def add_sweep(commands: Any) -> None:
     epilog = "Columns: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm), outcome."
     parser = add_command(commands, "sweep", swept, "first slips of combinations of values", text, epilog)
     parser.add_argument("--over", nargs="+", action="extend", required=True, metavar=FORM, help="values of parameters")
-    parser.add_argument("--workers", type=within(1), default=1, metavar="N", help="number of processes, default 1")
+    parser.add_argument("--workers", type=count, default=1, metavar="N", help="number of processes, default 1")
     add_file(parser, "csv", "a row per combination")
 
 
@@ -31,7 +32,7 @@ def swept(scene: Scene, arguments: argparse.Namespace) -> int:
     with processes(arguments.workers) if arguments.workers > 1 else nullcontext() as executor:
         table = sweep(scene, executor, **values)
     print(table.to_string(index=False))
-    write(arguments.csv, lambda file: table.to_csv(file, index=False, lineterminator="\n"))
+    write(arguments.csv, write_table, table)
     return 0 if table["outcome"].isin(COMPUTED).all() else NOT_CONVERGED
 
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from .. import METHODS, Profile, Scene, SceneError, load_path, summarize
+from .. import METHODS, Profile, Scene, SceneError, summarize
 from ..files import SCHEMA, origin, plain
-from ..results import collected
 from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
 from .options import NOT_CONVERGED, InputError
+from .run import compute
 
 SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "slips"  # of a summary
 NUMBERS = "U_x", "delta", "F", "L", "A"  # of an event or a frame
@@ -38,7 +38,10 @@ def verify(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.file!r}: {error.strerror}; {NEEDED}") from None
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
         raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {NEEDED}") from None
-    frames, failure = collected(load_path(scene, method=report["method"]))
+    result, interrupted = compute(scene, report["method"])
+    if interrupted:
+        raise KeyboardInterrupt
+    frames, failure = result.frames, result.failure
     after = [frame for frame in frames if frame.stage != "approach"]
     arrays = fields_of(after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
     computed = arrays if "T" in recorded else _numbers(plain(summarize(frames)))

@@ -51,15 +51,13 @@ class NotConverged(RuntimeError):
 
     outcome = Outcome.LOST
 
+    def __init__(self, message: str = "", outcome: Outcome | None = None) -> None:
+        super().__init__(message)
+        self.outcome = outcome or self.outcome
+
 
 class Restless(NotConverged):
     """A transient does not come to rest; smaller increments would not change that."""
-
-    outcome = Outcome.RESTLESS
-
-
-class Moving(NotConverged):
-    """A transient still moves after the most steps: it may be slow, or never come to rest."""
 
     outcome = Outcome.RESTLESS
 
@@ -101,11 +99,6 @@ class State(NamedTuple):
     def at_rest(load, v, **more) -> "State":
         """The first state of a branch."""
         return State(load, v, [(load, v)], **more)
-
-    @staticmethod
-    def undeformed(problem, load) -> "State":
-        """The state in which only the load acts on the unknowns."""
-        return State.at_rest(load, problem.undeformed(load))
 
 
 def slipped(problem, before, load, after) -> bool:
@@ -156,8 +149,3 @@ class Increment(NamedTuple):
     state: State
     slips: tuple[End, ...] = ()
     repeated: bool = False  # known from earlier, moved on by lattice periods and verified
-
-    @property
-    def residual(self) -> float:
-        """The state's, nm."""
-        return self.state.residual

@@ -12,7 +12,7 @@ import numpy as np
 
 from .corrector import LONGEST, Corrector
 from .motion import Creep, Motion
-from .state import Moving, Restless, State
+from .state import NotConverged, Outcome, Restless, State
 
 # A "unit" is the problem's `unit`.
 STEPS = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
@@ -84,7 +84,7 @@ class Transient:
     def to_rest(self) -> tuple[State, bool]:
         """The State at rest, and whether the motion stalled on the way, close to a saddle.
 
-        Raises TooLong where shorter steps may help, Restless or Moving where not.
+        Raises TooLong where shorter steps may help, another NotConverged where not.
         """
         while True:
             self._advance()
@@ -113,7 +113,8 @@ class Transient:
         if not stiffness < DIVERGED * motion.closed:
             raise TooLong("the motion diverges")
         if self.steps > self.most:
-            raise Moving(f"still moving, residual {self._residual():.2g} nm, after {self.most} steps")
+            still = f"still moving, residual {self._residual():.2g} nm, after {self.most} steps"
+            raise NotConverged(still, Outcome.RESTLESS)  # it may be slow, or never come to rest
         self._set_pace()
         motion.soften(stiffness, self.pace / self.trial.finer)
         motion.advance(STEPS)

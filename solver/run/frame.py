@@ -158,11 +158,6 @@ class Frame:
         """Whether the branch ended within this increment."""
         return bool(self.slips)
 
-    @property
-    def U_slip(self) -> float | None:
-        """Load at the first slip of this increment, nm, or None."""
-        return self.slips[0].load if self.slips else None
-
 
 def largest_safe_damping(frames: Sequence[Frame]) -> float:
     """The largest `safe_damping` of a run: of every SAMPLE-th computed Frame, and of those just before slips.

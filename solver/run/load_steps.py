@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import hypot, inf
 
-from ..mechanics.equilibrium import Equilibrium
 from ..scene import Leg
 from .frame import STAGES, Stage
 
@@ -66,10 +65,6 @@ class LoadStep:
     def at(self, k) -> float:
         """Load of increment k, nm."""
         return min(self.end, k * self.increment + self.start)
-
-    def problem(self, contact, pressure) -> Equilibrium:
-        """The Contact driven along this step; pressure: the mean normal traction to hold, GPa, or None."""
-        return Equilibrium(contact, self.loading, pressure if self.held else None)
 
 
 def load_steps_of(scene) -> tuple[LoadStep, ...]:

@@ -14,6 +14,7 @@ from ..continuation.replay import advanced
 from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, Restless, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
+from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene
 from ..threads import one_thread
@@ -124,11 +125,12 @@ class Run:
         stepper = self._stepper_of(step, checkpoint)
         stepper.problem.contact.observe = observe
         before = stepper.problem.evaluations
-        state = checkpoint.state or State.undeformed(stepper.problem, step.at(checkpoint.increment))
+        load = step.at(checkpoint.increment)
+        state = checkpoint.state or State.at_rest(load, stepper.problem.undeformed(load))
         index, done, trace = self._increment(step, checkpoint.increment, state, checkpoint.trace or Trace.of(state))
         self.done, problem = done, stepper.problem
         events = tuple(self._event(step, slip) for slip in done.slips)
-        numbers = step.stage, index, done.residual, problem.evaluations - before
+        numbers = step.stage, index, done.state.residual, problem.evaluations - before
         frame = frame_of(self.scene, problem, done.state, *numbers, events, done.repeated)
         return frame, checkpoint._replace(**self._after(checkpoint, load_steps, step, index, done.state, trace))
 
@@ -158,7 +160,8 @@ class Run:
         if self._place == place:
             return self.stepper
         scene = self.scene
-        problem = step.problem(Contact(scene, *self.patch), checkpoint.pressure)
+        pressure = checkpoint.pressure if step.held else None
+        problem = Equilibrium(Contact(scene, *self.patch), step.loading, pressure)
         sudden = any(scene.drive_compliance) or scene.law != "np1"
         options = {"far": DRIVEN} if self._fast and sudden else {}
         method = METHODS.get(self.method, self.method)
@@ -215,9 +218,7 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
     if scene.damping < 1.0 and failure.outcome is Outcome.RESTLESS:
         remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
-    told = kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}")
-    told.outcome = failure.outcome
-    return told
+    return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}", failure.outcome)
 
 
 def _turned(problem, state, was_held, following):

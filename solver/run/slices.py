@@ -20,15 +20,13 @@ def advance(
     checkpoint: Checkpoint | None = None,
     budget: float = 0.04,
     method: str | Callable[..., Any] = "fast",
-    replay: bool = True,
     limit: float = inf,
     stop: Callable[[Frame], Any] | None = None,
 ) -> tuple[list[Frame], Checkpoint]:
     """Computes a slice of a run: a pure function of picklable arguments, for use in a worker.
 
     Parameters: scene; checkpoint: where the slice begins (default: the start of the run); budget: its length, s;
-    method: a name in METHODS; replay: as of `load_path`; limit: processor time of an increment, s; stop: true of the
-    Frame that ends the slice.
+    method: a name in METHODS; limit: processor time of an increment, s; stop: true of the Frame that ends the slice.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.outcome says how, and checkpoint.failure names the load and a remedy.
     Raises ValueError for a method that is not in METHODS.
@@ -39,7 +37,7 @@ def advance(
     frames: list[Frame] = []
     end = perf_counter() + budget
     try:
-        for frame, after in _run_of(scene, method, replay).frames(checkpoint, limit):
+        for frame, after in _run_of(scene, method).frames(checkpoint, limit):
             frames.append(frame)
             checkpoint = after
             if perf_counter() > end or (stop is not None and stop(frame)):

@@ -11,7 +11,7 @@ from app.service import tasks
 from app.service.cache import Cache
 from solver import Scene
 from solver.analysis.maps import REGIMES, Axis, Map, Point
-from solver.analysis.maps.run import computed
+from solver.analysis.maps.task import computed
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 

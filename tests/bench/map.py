@@ -1,6 +1,6 @@
 """Cost and errors of a map of first slips: delta_bar x phi_ratio, 41 x 31 points, on two processes.
 
-    python tests/bench/map.py [--x AXIS] [--y AXIS] [--set NAME=VALUE ...] [--workers N] [--checks N] [--json FILE]
+    python tests/bench/map.py [--set NAME=VALUE ...] [--workers N] [--checks N] [--json FILE]
 
 Prints the share of points followed and force evaluations; on stderr, the seconds that the map took, with the start of
 its processes. Random points are then run from their start: how many are of another regime, the largest error of U_s
@@ -17,7 +17,7 @@ from scenes import options, sheared, write
 from solver import NotConverged, load_path
 from solver.analysis.maps import Axis, Map, explore_map
 from solver.analysis.maps.point import touches
-from solver.analysis.maps.run import computed
+from solver.analysis.maps.task import computed
 from solver.cli.options import scene_of
 from solver.executors import processes
 
@@ -92,13 +92,11 @@ def report(found, rows):
 
 def main():
     parser = options(__doc__)
-    parser.add_argument("--x", default="delta_bar=-1:1:41")
-    parser.add_argument("--y", default="phi_ratio=0.02:2:31:log")
     parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--checks", type=int, default=60)
     arguments = parser.parse_args()
-    grid = Map(scene_of(arguments.set), Axis.of(arguments.x), Axis.of(arguments.y))
+    grid = Map(scene_of(arguments.set), Axis("delta_bar", -1.0, 1.0, 41), Axis("phi_ratio", 0.02, 2.0, 31, True))
     start = time.perf_counter()
     points = list(explore_map(grid, processes(arguments.workers)))
     seconds = time.perf_counter() - start

@@ -84,7 +84,7 @@ def test_states_up_to_a_fold_are_those_of_the_stable_branch(start, before):
     for d in done:
         v = d.state.v[0]
         assert abs(d.state.load + v - v**3) <= toy.tolerance and 1.0 - 3.0 * v * v < 0.0
-        assert d.residual <= toy.tolerance
+        assert d.state.residual <= toy.tolerance
 
 
 def test_a_branch_that_does_not_end_is_followed_without_slips():
@@ -237,7 +237,7 @@ def test_every_stepper_reaches_the_same_states(damping):
     slipped = [[bool(done.slips) for done in run] for run in runs]
     assert slipped[0] == slipped[1] == slipped[2] and sum(slipped[0]) >= 2
     for run in runs:
-        assert max(done.residual for done in run) <= 1e-10
+        assert max(done.state.residual for done in run) <= 1e-10
         assert [done.state.load for done in run] == list(targets)
 
 
@@ -508,7 +508,7 @@ def test_translated_known_states_are_exact(waves):
     done, _ = replayed(QuasiStatic(toy, inf, 4.0), start, loads)
     assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
     assert sum(d.repeated for d in done) > 0.5 * len(done)
-    assert max(d.residual for d in done) <= toy.tolerance
+    assert max(d.state.residual for d in done) <= toy.tolerance
     slips = np.array([slip.load for slip in slips_of(done)])
     per_period = len(waves)
     assert len(slips) >= 4 * per_period

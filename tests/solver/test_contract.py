@@ -246,7 +246,7 @@ def test_on_a_branch_the_state_is_the_equilibrium_at_the_target(stepper_of):
     done = advanced(stepper_of(toy, 2.0), toy.at_rest(-2.0, -1.6), BEFORE)
     assert [d.state.load for d in done] == BEFORE and not any(d.slips for d in done)
     for d in done:
-        assert d.residual <= toy.tolerance
+        assert d.state.residual <= toy.tolerance
         assert np.abs(residual(toy, d.state.v, d.state.load)).max() <= toy.tolerance
         # at 0.38 the fold is 0.0049 away: the slope 1 - 3 v^2 is -0.25, and magnifies the residual by 4
         assert d.state.v == pytest.approx(toy.at_rest(d.state.load, d.state.v).v, abs=10.0 * toy.tolerance)
@@ -301,9 +301,9 @@ def test_a_contact_is_advanced_with_the_problem_of_its_state(stepper_of):
     ends = []
     for make in (lambda problem, closed: QuasiStatic(problem, 1.0, closed), stepper_of):
         stepper = make(Equilibrium(Contact(scene, *patch(scene)), sideways(1.0, -scene.delta)), closed_stiffness(scene))
-        start = State.undeformed(stepper.problem, 0.0)
+        start = State.at_rest(0.0, stepper.problem.undeformed(0.0))
         done = advanced(stepper, start, [0.1, 0.2, 0.3])[-1]
-        assert done.state.v.size == stepper.problem.size and done.residual <= scene.tolerance
+        assert done.state.v.size == stepper.problem.size and done.state.residual <= scene.tolerance
         surface = np.zeros((2, scene.nodes))
         first, size = stepper.problem.contact.first, stepper.problem.contact.size
         surface[:, first : first + size] = stepper.problem.surface(done.state.v)

@@ -13,7 +13,7 @@ import solver
 
 HERE = Path(solver.__file__).parent
 ROOMS = ["mechanics", "continuation", "run", "following"]
-CORE = ["schema.py", "surfaces.py", "round_off.py", "scene.py", "text.py", "profile.py", *ROOMS]
+CORE = ["schema.py", "surfaces.py", "scene.py", "text.py", "profile.py", *ROOMS]
 REPORTS = {"analysis", "accuracy"}
 NUMERICS = {"numpy", "scipy", "numba", "pyfftw"}
 STANDARD = sys.stdlib_module_names

@@ -40,7 +40,7 @@ def test_of_a_map_the_row_through_the_highest_point_is_read_or_the_one_asked_for
     content = written(Topography(heights, (1000.0, 80.0), unit="nm"))
     assert np.ptp(read_profile(content).z) == pytest.approx(8.0)
     assert np.ptp(read_profile(content, line="row 0").z) == pytest.approx(1.6)
-    assert read_line(content, line="column 3").z == pytest.approx(heights[3])
+    assert read_line(content, line="column 3")[1] == pytest.approx(heights[3])
     for wrong in ("row 32", "column 400", "diagonal"):
         with pytest.raises(DataError, match=rf"^line = '{wrong}': allowed: row 0 .. 31 or column 0 .. 399"):
             read_profile(content, line=wrong)

@@ -14,7 +14,7 @@ from solver.analysis.maps import REGIMES, Axis, Map, Point, Task, computed_point
 from solver.analysis.maps import task as map_task
 from solver.analysis.maps.grid import AROUND, RUNS
 from solver.analysis.maps.point import at_slip
-from solver.analysis.maps.run import computed
+from solver.analysis.maps.task import computed
 from solver.continuation import transient
 
 SMALL = Scene(nodes=128, width=312.5, u_x_max=12.0, tolerance=1e-7)  # the default, an eighth as wide
@@ -155,7 +155,7 @@ def broken(task):
 
 
 def test_a_hole_in_a_map_has_a_sentence_as_its_reason(monkeypatch):
-    monkeypatch.setattr("solver.analysis.maps.explore.computed_point", broken)
+    monkeypatch.setattr("solver.analysis.maps.grid.computed_point", broken)
     points = list(maps.explore_map(Map(SMALL, replace(PRESS, count=2), replace(RATIO, count=2)), ThreadPoolExecutor(1)))
     assert len(points) == 4
     for point in points:
@@ -244,15 +244,13 @@ def test_pull_off_is_mapped_from_retractions():
 
 
 @pytest.mark.parametrize(
-    ("text", "named"),
-    [("speed=1:2:3", "speed"), ("nodes=64:128:3", "nodes"),
-     ("E=10:20", "E=10:20"), ("E=0:20:3", "E"), ("E=5:5:3", "E"),
-     ("delta_bar=-1:1:5:log", "delta_bar"), ("E=10:20:1", "E"),
-     ("E=a:b:c", "E=a:b:c"), ("E=10:20:5:lin", "E=10:20:5:lin")],
+    "values",
+    [("speed", 1.0, 2.0, 3), ("nodes", 64.0, 128.0, 3), ("E", 0.0, 20.0, 3), ("E", 5.0, 5.0, 3), ("E", 10.0, 20.0, 1),
+     ("delta_bar", -1.0, 1.0, 5, True)],
 )  # fmt: skip
-def test_an_impossible_axis_is_rejected_by_name(text, named):
-    with pytest.raises(SceneError, match=f"{named}.*allowed") as refused:
-        Axis.of(text)
+def test_an_impossible_axis_is_rejected_by_name(values):
+    with pytest.raises(SceneError, match=f"{values[0]}.*allowed") as refused:
+        Axis(*values)
     assert pickle.loads(pickle.dumps(refused.value)).args == refused.value.args
 
 

@@ -211,7 +211,7 @@ def test_surfaces_jump_into_contact_on_approach(du_z):
     """With these defaults the surfaces snap together some four delta_n apart; a stiff layer approaches smoothly."""
     snaps = [f for f in load_path(Scene(u_x_max=0.0, du_z=du_z)) if f.slip]
     assert [f.stage for f in snaps] == ["approach"]
-    assert snaps[0].U_slip == pytest.approx(-4.1535832, abs=1e-6)
+    assert snaps[0].slips[0].load == pytest.approx(-4.1535832, abs=1e-6)
     assert not any(f.slip for f in load_path(Scene(u_x_max=0.0, E=1000.0)))
 
 

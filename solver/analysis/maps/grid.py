@@ -1,7 +1,9 @@
-"""The axes of a map, its points from coarse to fine, and its results as arrays and tables."""
+"""The axes of a map, its points computed from coarse to fine, and its results as arrays and tables."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import nullcontext
+from dataclasses import astuple, dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -9,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import plots
+from ...executors import outcomes, processes
 from ...following.follow import DISCRETE
 from ...scene import LIMITS, PARAMETERS, Scene, SceneError
 from .point import COLUMNS, QUANTITIES, Point
-from .task import Outcome, Task
+from .task import Outcome, Task, computed_point
 
 if TYPE_CHECKING:
     import holoviews as hv
     import pandas as pd
 
 COUNT = 2, 400  # values of an axis: one value is no axis, and 400 x 400 points take hours
-FORM = "allowed: NAME=LOW:HIGH:COUNT or NAME=LOW:HIGH:COUNT:log; give one of these"
 CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in DISCRETE and not limits.whole)
 RUNS = 16  # points at first, which are all runs: their neighbours are too far to follow
 AROUND = 4  # known points nearest to another: at the corners around it, or at the ends of its side
@@ -57,20 +59,6 @@ class Axis:
             raise SceneError(self.name, self.count, allowed, "give such a COUNT")
         if self.log and min(self.low, self.high) <= 0.0:
             raise SceneError(self.name, min(self.low, self.high), "allowed with log: above 0", "raise it, or omit log")
-
-    @staticmethod
-    def of(text: str) -> "Axis":
-        """The Axis of 'phi_ratio=0.02:2:31:log'."""
-        name, _, rest = text.partition("=")
-        parts = rest.split(":")
-        log = parts[3:] == ["log"]
-        try:
-            low, high, count = parts[:3] if log else parts
-            return Axis(name.strip(), float(low), float(high), int(count), log)
-        except SceneError:
-            raise
-        except ValueError:
-            raise SceneError("axis", text, FORM, f"as in {CONTINUOUS[0]}=-1:1:41") from None
 
     @property
     def values(self) -> NDArray[np.float64]:
@@ -136,7 +124,8 @@ class Map:
         """A row per Point: i, j, the two parameters, and every other field of Point, "" for None."""
         from pandas import DataFrame  # takes longer to import than the solver
 
-        table = DataFrame([point.as_row() for point in points], columns=COLUMNS, dtype=object)
+        table = DataFrame(list(map(astuple, points)), columns=COLUMNS, dtype=object)
+        table = table.where(table.notna(), "")
         table.insert(2, self.x.name, self.x.values[table["i"].astype(int)])
         table.insert(3, self.y.name, self.y.values[table["j"].astype(int)])
         return table
@@ -151,6 +140,29 @@ class Map:
         if of not in QUANTITIES:
             raise ValueError(f"of = {of!r}; allowed: {', '.join(QUANTITIES)}; choose one of them")
         return plots.first_slips(self.table(points), self.x.name, self.y.name, of)
+
+
+def explore_map(grid: Map, executor: Executor | None = None, ahead: int | None = None) -> Iterator[Point]:
+    """Yields the Points of a Map, coarse to fine.
+
+    Parameters: executor: any of `concurrent.futures`, or of a cluster (default: a process for each core: then call it
+    under `if __name__ == "__main__":`); ahead: how many points the executor computes at a time (default: the number of
+    cores).
+    Returns an iterator of Points, in the order of completion; `grid.table` makes a DataFrame of them. A point that
+    could not be computed has a `reason`.
+    Raises RuntimeError for an executor that was shut down.
+
+    Example: `grid = Map(Scene(), Axis("delta_bar", -0.2, 0.3, 6), Axis("nu", 0.0, 0.4, 5))`, then
+    `grid.table(explore_map(grid))`
+    """
+    known = dict[Place, Outcome]()
+    tasks = (grid.task(place, known) for place in grid.places())  # made when a process is free, so they know the others
+    with processes() if executor is None else nullcontext(executor) as used:
+        for task, result in outcomes(computed_point, tasks, used, ahead):
+            failed = isinstance(result, Exception)
+            reason = f"unexpected error {result!r}; run this scene alone to see where"
+            known[task.i, task.j] = (Point(i=task.i, j=task.j, reason=reason), None) if failed else result
+            yield known[task.i, task.j][0]
 
 
 def _nearest(place, known):

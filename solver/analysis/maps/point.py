@@ -1,6 +1,6 @@
 """A point of a map: the regime of a scene and numbers of its first slip."""
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -59,10 +59,6 @@ class Point:
     def kind(self) -> tuple:
         """Regime, sites and branches: only points of one kind are continued from each other."""
         return self.regime, self.sites, self.branches
-
-    def as_row(self) -> dict[str, Any]:
-        """{column: value} with "" for None."""
-        return {name: "" if value is None else value for name, value in asdict(self).items()}
 
 
 COLUMNS = tuple(field.name for field in fields(Point))
