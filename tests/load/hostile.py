@@ -28,8 +28,9 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from client import Server, Tab, summary, tell
 
 from app.environment import VISITORS
-from app.session import orders
+from app.session import classes, orders
 from app.session.extras import Film, Layer
+from app.session.measured import MeasuredCurve
 from app.session.pursuit import Pursuit
 from app.session.session import Session
 from app.session.share import Share
@@ -38,7 +39,7 @@ LONGEST = 60.0  # s of an attack: the server lets its messages wait
 ODD = [None, True, -1, 0, 1e308, -1e-308, 10**9, 2**70, "", "nan", "inf", "x" * 70, "1,5", "−3", [], {}, [1], {"a": 1},
        "<b>", "\ud800", "0x10", "1e999", [[[]]]]  # fmt: skip
 FITTING = {  # by the test of a field: values of which some pass
-    orders.is_text: ["law", "load", "sweep", "cancel", "clear"],
+    orders.is_text: ["law", "load", "sweep", "cancel", "clear", "ABCD"],
     orders.is_link: ["x" * 1200, "E,phi_ratio"],
     orders.is_content: [b"x,z\n1,2\n"],
     orders.is_number: [0.5, 1, 60, 300.0],
@@ -48,10 +49,12 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
     orders.FILES.__contains__: list(orders.FILES),
     orders.FORMATS.__contains__: list(orders.FORMATS),
+    classes.PHASES.__contains__: list(classes.PHASES),
+    classes.ASKED.__contains__: list(classes.ASKED),
 }
 
 
-PARTS = Session, Pursuit, Share, Film, Layer
+PARTS = Session, Pursuit, Share, Film, Layer, MeasuredCurve, classes.Attendance
 ORDERS = {name: getattr(part, method).order for part in PARTS for name, method in orders.declared(part).items()}
 
 

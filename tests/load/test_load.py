@@ -13,6 +13,7 @@ SMALLEST = {  # tool and option: (arguments, what it prints)
     "load/arrivals": (["--pages", "1", "--within", "1"], "errors                     []"),
     "load/random_user": (["--minutes", "0.1", "--seed", "3"], "errors                     []"),
     "load/random_user --touch": (["--minutes", "0.1", "--seed", "3"], "errors                     []"),
+    "load/lesson": (["--students", "2", "--stops", "1"], "of one hostile student     [1]"),
     "bench/latency": (["--moves", "1"], "whole new curve"),
 }
 
