@@ -35,6 +35,7 @@ LONGEST_FILE = 60.0  # s of work on a file
 READING, MEMORY = 10.0, 2**30  # s and bytes for a file of a visitor
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
+FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
 LAID = 500  # points of a measured curve that the browser draws and compares with each picture of a drag
 DRAWN = 400  # points of a drawn curve, about one per pixel
 DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
@@ -201,7 +202,9 @@ def measured(content: bytes, chosen: Chosen) -> tuple[Profile | None, str | None
         return None, "reading it takes too much memory; export it as CSV of x and z", None
 
 
-def read_curve(scene: Scene, content: bytes) -> tuple[dict[str, Any] | None, str | None]:
+def read_curve(
+    scene: Scene, content: bytes, speed: float | None = None, force: float | None = None
+) -> tuple[dict[str, Any] | None, str | None]:
     """Return (the measured curve in a file, or None; why the file is not usable, or None).
 
     The curve has `kind`, `over`, `units`, `free` and `virgin` of a Recording, `noise` {quantity: standard deviation},
@@ -209,12 +212,15 @@ def read_curve(scene: Scene, content: bytes) -> tuple[dict[str, Any] | None, str
     """
     try:
         with worker.bounded_memory(MEMORY):
-            read = read_measurement(scene, content)
+            read = read_measurement(scene, content, speed, force)
     except DataError as error:
         return None, str(error)
     except MemoryError:
         return None, "reading it takes too much memory; thin it out"
     moving = [each for each in read.segments if each.name != "hold"]
+    largest = max(float(np.abs(y).max()) for each in moving for y in (each.x, *each.values.values()))
+    if largest > FARTHEST:
+        return None, f"a number of {largest:.3g}; allowed: {FARTHEST:g} nm, N or N/m at most; check the units"
     points = sum(each.x.size for each in moving)
     every = 1 + points // LAID
     segments = []

@@ -5,13 +5,12 @@ has one vote for it. A class has no names, and nothing of it is kept when its la
 """
 
 import re
-import secrets
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.session import orders
-from app.session.controls import address_of
+from app.session import controls, orders
 from app.session.orders import order
+from solver import LIMITS
 
 STUDENTS = 100  # of a class
 CODE = re.compile(r"[A-Z]{4}")
@@ -24,20 +23,23 @@ _classes: dict[str, "Class"] = {}  # by code
 
 @dataclass(eq=False)
 class Class:
-    """The visitors of one code, and the question they are at; votes: {visitor: number of the answer}."""
+    """The visitors of one code, and the question they are at; votes: {visitor: number of the answer}.
+
+    secret: of the browser of the teacher, who may come back with it. asked: number of questions so far.
+    """
 
     code: str
-    secret: str = field(default_factory=lambda: secrets.token_urlsafe(9))  # with which the teacher may come back
+    secret: str = ""
     teacher: "Attendance | None" = None
     students: set["Attendance"] = field(default_factory=set)
     stop: dict[str, Any] = field(default_factory=dict)
     votes: dict["Attendance", int] = field(default_factory=dict)
-    asked: int = 0  # questions so far
+    asked: int = 0
 
-    def tell(self, *others: "Attendance") -> None:
+    def send(self, *others: "Attendance") -> None:
         """Send the state of the class to the teacher, and to other visitors."""
         for visitor in {*others, self.teacher} - {None}:
-            visitor.tell_soon()  # type: ignore[union-attr]
+            visitor.send_soon()  # type: ignore[union-attr]
 
 
 class Attendance:
@@ -53,40 +55,54 @@ class Attendance:
         """Whether this visitor is the teacher."""
         return self.of is not None and self.of.teacher is self
 
-    @order("join", code=orders.is_text, secret=orders.is_text)
-    def join(self, code: str, secret: str = "") -> None:
-        """Join the class with a code: as its teacher if it is new, or with the teacher's secret."""
-        if self.of or not CODE.fullmatch(code):
+    @order("join", code=orders.is_text, secret=orders.is_text, follows=orders.is_flag)
+    def join(self, code: str, secret: str, follows: bool = False) -> None:
+        """Join the class with a code, as its teacher if it has none yet or if that one comes back.
+
+        secret: of the browser; follows: the page was a student's before, and never leads.
+        """
+        if self.of or not secret or not CODE.fullmatch(code):
             raise orders.Refused
-        leads = code not in _classes
         found = _classes.setdefault(code, Class(code))
-        if leads or secrets.compare_digest(secret.encode(), found.secret.encode()):  # a page opened anew comes back
-            found.teacher = self
+        if not follows and found.teacher is None and found.secret in ("", secret):
+            found.teacher, found.secret = self, secret
         elif len(found.students) < STUDENTS:
             found.students.add(self)
         else:
             self.session.notes = [f"Class {code} has {STUDENTS} students. Open another code."]
             return
         self.of = found
-        found.tell(self)
+        found.send(self, *(found.students if found.teacher is self else ()))
 
     @order("lead", stop=orders.is_whole, phase=PHASES.__contains__, ask=ASKED.__contains__, change=orders.are_entries)
     def lead(self, stop: int, phase: str, ask: str = "", change: Any = None) -> None:
-        """Take the class to a stop of the tour, or to the next phase there; from others than the teacher it is refused.
+        """Take the class to a stop of the tour, or to the next phase there; only the teacher may.
 
         ask, change: the teacher's own question: what a change of parameters {name: text} does to a first slip.
         """
-        if not self.leads:
+        if self.of is None or not self.leads:
             raise orders.Refused
-        assert self.of is not None
-        question = {"ask": ask, "change": change or {}} if ask else {}
-        if phase == "ask":
+        if phase != "ask":
+            self.of.stop = self.of.stop | {"phase": phase}
+        elif not ask or self._can_be_asked(change):
             self.of.votes.clear()
             self.of.asked += 1
-            base = address_of(self.session.scene, self.session.preset) if ask else {}
-            self.of.stop = {"asked": self.of.asked, "stop": stop, "base": base} | question
-        self.of.stop = self.of.stop | {"phase": phase}
-        self.of.tell(*self.of.students)
+            self.of.stop = {"asked": self.of.asked, "stop": stop, "phase": phase}
+            if ask:
+                base = controls.address_of(self.session.scene, self.session.preset)
+                self.of.stop |= {"ask": ask, "change": change, "base": base}
+        self.of.send(*self.of.students)
+
+    def _can_be_asked(self, change: Any) -> bool:
+        """Whether the scene at hand can be changed so; if not, a note names the value."""
+        words = ", ".join(f"{name}:{value}" for name, value in (change or {}).items())
+        if not change or not change.keys() <= LIMITS.keys():
+            why = "allowed: numbers of parameters, as in change=phi_ratio:0.5"
+        else:
+            _, errors = controls.changed_scene(self.session.scene, change)
+            why = " ".join(errors.values())
+        self.session.notes = [f"change = {words or 'nothing'}: {why}"] if why else []
+        return not why
 
     @order("vote", answer=orders.is_whole)
     def vote(self, answer: int) -> None:
@@ -95,24 +111,24 @@ class Attendance:
             raise orders.Refused
         if self not in self.of.votes and self.of.stop.get("phase") == "ask":
             self.of.votes[self] = answer
-            self.of.tell()
+            self.of.send()
 
-    def tell_soon(self) -> None:
+    def send_soon(self) -> None:
         """Send the state of the class under the lock of this visitor's document, once for many votes."""
         if not self.due:
             self.due = True
-            self.session.later(self._tell)
+            self.session.later(self._send)
 
-    def _tell(self):
+    def _send(self):
         """Send the state; how many chose each answer only to the teacher, once the answers are shown."""
         self.due = False
         if self.of is None:
             return
-        content = {"code": self.of.code, "leads": self.leads} | self.of.stop
+        content = {"code": self.of.code, "leads": self.leads, "led": self.of.teacher is not None} | self.of.stop
         if self.leads:
             votes = list(self.of.votes.values())
             shown = self.of.stop.get("phase") != "ask"
-            content |= {"secret": self.of.secret, "here": len(self.of.students), "answered": len(votes)}
+            content |= {"here": len(self.of.students), "answered": len(votes)}
             content |= {"counts": [votes.count(k) for k in range(ANSWERS)] if shown else None}
         self.session.send("class", **content)
 
@@ -125,6 +141,7 @@ class Attendance:
         left.votes.pop(self, None)
         if left.teacher is self:
             left.teacher = None
+            left.send(*left.students)
         if left.teacher is None and not left.students:
             _classes.pop(left.code, None)
-        left.tell()
+        left.send()

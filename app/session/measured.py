@@ -24,16 +24,14 @@ class MeasuredCurve(Requests):
 
     key = ""
 
-    @order("curve", content=orders.is_content)
-    def read(self, content: bytes) -> None:
-        """Read a measured curve, or forget the last one for an empty content.
+    @order("curve", content=orders.is_content, speed=orders.is_number, force=orders.is_number)
+    def read(self, content: bytes, speed: float | None = None, force: float | None = None) -> None:
+        """Read a measured curve; speed, force: as of `read_measurement`.
 
         The message `curve` has it, or why the file is not usable: then the last one stays.
         """
-        if not content:
-            return self.forget()
-        call = tasks.read_curve, self.session.scene, content
-        return self.ask(call, lambda made: self._made(made, content), private=True, seconds=tasks.READING)
+        call = tasks.read_curve, self.session.scene, content, speed, force
+        self.ask(call, lambda made: self._made(made, content), private=True, seconds=tasks.READING)
 
     def _made(self, made: Any, content: bytes) -> None:
         curve, why = made or (None, "it could not be read in time; thin it out")
@@ -43,6 +41,7 @@ class MeasuredCurve(Requests):
             _kept[self.key] = content
         self.session.send("curve", curve=curve, why=why, key=self.key)
 
+    @order("forget")
     def forget(self) -> None:
         """Keep no file, and read none."""
         self.cancel()

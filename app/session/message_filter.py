@@ -80,6 +80,8 @@ class MessageFilter(WSHandler):
         """Handle the end of the connection. Bokeh may have noticed it before, by a ping, while messages waited."""
         self._give_up_place()
         if self._session is not None:
+            if visitor := self._visitor():
+                visitor.attendance.leave()  # its class need not wait until Bokeh discards the session
             super().on_close()
 
     def _give_up_place(self):
@@ -154,10 +156,13 @@ class MessageFilter(WSHandler):
         except Exception as error:
             self._reject(error)
 
-    async def _answer(self, message, given):
-        session = self._session
+    def _visitor(self):
+        """The Session of this browser, or None."""
         here = tuple(visitors)  # under Bokeh 3.10 a thread may add one
-        visitor = next((each for each in here if each.doc is session.document), None)
+        return next((each for each in here if each.doc is self._session.document), None)
+
+    async def _answer(self, message, given):
+        session, visitor = self._session, self._visitor()
         if message.msgtype != "PULL-DOC-REQ":
             for order in given if visitor else ():
                 await session.with_document_locked(on_loop(visitor.obey, order))

@@ -39,9 +39,10 @@ class Computed(Protocol):
 class Comparison(NamedTuple):
     """rows: (segment, x, quantity, measured, computed) of every point, x as computed, both in the unit of the run.
 
-    rms: {quantity: root mean square of the difference}; noise: {quantity: noise of the measured points}; units of both,
-    N/m or nm, or relative. outside: points beyond the run, beside its nearest value. shift: nm added to delta of an
-    instrument, whose zero is free. scale, zero: of forces in N, whose width is unknown: N/m per N, and N/m added.
+    rms: {quantity: root mean square of the difference, of points within the run}; noise: {quantity: noise of the
+    measured points}; units of both, N/m or nm, or relative. outside: points beyond the run, beside its nearest
+    value. shift: nm added to delta of an instrument, whose zero is free. scale, zero: of forces in N, whose width
+    is unknown: N/m per N, and N/m added.
     """
 
     rows: list[tuple[str, float, str, float, float]]
@@ -72,7 +73,8 @@ def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
     with the least squares.
 
     Parameters: measured: of `read_measurement`; result: of `simulate`.
-    Returns a Comparison. Raises ValueError where the run has no stage like a segment.
+    Returns a Comparison. Raises ValueError where the run has no stage like a segment, or where no zero and positive
+    factor bring half of the points over the run.
 
     Example: `read_measurement(Scene(), "measured.csv").residuals(simulate(Scene()))`
     """
@@ -85,12 +87,15 @@ def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
         at = segment.x + shift
         if measured.units.get(KINDS[measured.kind]) == "N":
             at = scale * at + zero
-        outside += int(((at < x.min()) | (at > x.max())).sum())
+        inside = (at >= x.min()) & (at <= x.max())
+        outside += int((~inside).sum())
         for name, y in segment.values.items():
             seen, found = (scale * y + zero if measured.units[name] == "N" else y), np.interp(at, x, curves[name])
             columns = at.tolist(), [name] * at.size, seen.tolist(), found.tolist()
             rows += [(segment.name, *row) for row in zip(*columns, strict=True)]
-            off.setdefault(name, []).append(seen - found)
+            off.setdefault(name, []).append((seen - found)[inside])
+    if outside == sum(segment.x.size for segment, _ in pairs):
+        raise ValueError(f"no point lies within the run; compute one that covers {KINDS[measured.kind]} of the curve")
     rms = {name: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for name, parts in off.items()}
     units = {name: "N/m" if measured.units[name] == "N" else measured.units[name] for name in off}
     noise = {name: noise_in(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
@@ -162,35 +167,44 @@ def _scale(measured, pairs, shift):
     if KINDS[measured.kind] in names:  # the largest force of both
         largest = [(np.abs(segment.x).max(), np.abs(x).max()) for segment, (x, _) in pairs]
         return float(max(found for _, found in largest) / max(seen for seen, _ in largest)), 0.0
-    both = [
-        (segment.values[name], np.interp(segment.x + shift, x, curves[name]))
-        for segment, (x, curves) in pairs
-        for name in names
-    ]
-    seen, found = (np.concatenate(side) for side in zip(*both, strict=True))
+    seen, found = np.hstack(
+        [both for segment, (x, curves) in pairs for name in names for both in [_both(segment, name, x, curves, shift)]]
+    )
     scale, zero = np.linalg.lstsq(np.column_stack([seen, np.ones(seen.size)]), found, rcond=None)[0]
     return float(scale), float(zero)
 
 
+def _both(segment, name, x, curves, shift):
+    """(measured, computed) values (2, k) of the points of a Segment within the run, at a shift."""
+    at = segment.x + shift
+    inside = (at >= x.min()) & (at <= x.max())
+    return np.array([segment.values[name][inside], np.interp(at[inside], x, curves[name])])
+
+
 def _shift(measured, pairs):
-    """nm to add to x of an instrument, with the least squares."""
+    """nm to add to x of an instrument, with the least squares. Raises ValueError where none brings half of it there."""
     low, high = min(x.min() for _, (x, _) in pairs), max(x.max() for _, (x, _) in pairs)
     first, last = min(s.x.min() for s, _ in pairs), max(s.x.max() for s, _ in pairs)
+    points = sum(segment.x.size * len(segment.values) for segment, _ in pairs)
 
     def apart(shift):
+        every = [_both(segment, name, *curve, shift) for segment, curve in pairs for name in segment.values]
+        seen, found = np.hstack(every)
+        if 2 * seen.size < points:
+            return np.inf
         scale, zero = _scale(measured, pairs, shift)
         if scale <= 0.0:
             return np.inf
-        squares = [
-            (scale * y + zero - np.interp(segment.x + shift, x, curves[name])) ** 2
-            for segment, (x, curves) in pairs
-            for name, y in segment.values.items()
-        ]
-        squares = np.concatenate(squares)
-        return float(squares.mean() / (scale if measured.units.get("L") == "N" else 1.0) ** 2)
+        rms = float(np.mean((scale * seen + zero - found) ** 2))
+        return rms / (scale if measured.units.get("L") == "N" else 1.0) ** 2
 
     shifts = np.linspace(low - last, high - first, TRIALS + 1)[1:-1]
-    best = shifts[int(np.argmin([apart(shift) for shift in shifts]))]
-    step = shifts[1] - shifts[0]
+    tried = [apart(shift) for shift in shifts]
+    best, step = shifts[int(np.argmin(tried))], shifts[1] - shifts[0]
+    if min(tried) == np.inf:
+        reason = f"the curve covers {last - first:.4g} nm, the run {high - low:.4g} nm"
+        raise ValueError(
+            f"no zero and positive scale bring half of the points over the run: {reason}; compute a longer one"
+        )
     found = minimize_scalar(apart, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-6 * step})
     return float(found.x)

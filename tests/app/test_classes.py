@@ -8,12 +8,12 @@ from app.session import classes
 
 @pytest.fixture
 def visitors(pool):
-    """Join a class as another visitor: join(code, secret)."""
+    """Join a class as another visitor, of a browser of its own unless a secret is given."""
     pages = []
 
-    def join(code="ABCD", secret=""):
+    def join(code="ABCD", secret="", **more):
         pages.append(Page(pool))
-        pages[-1].order("join", code=code, secret=secret)
+        pages[-1].order("join", code=code, secret=secret or f"browser {len(pages)}", **more)
         return pages[-1]
 
     yield join
@@ -63,6 +63,7 @@ def test_a_hostile_student_has_one_vote_and_leads_nobody(visitors):
         {"stop": -1, "phase": "ask"},
         {"stop": 1, "phase": "over"},
         {"stop": 1, "phase": "ask", "ask": "secret", "change": {"E": "1"}},
+        {"stop": 1, "phase": "run"},
     ):
         hostile.order("lead", **forged)
     for answer in (3, -1, "1", 1.5, None):
@@ -78,12 +79,25 @@ def test_a_code_of_anything_but_four_letters_is_refused(visitors, code):
     assert not page.messages and page.session.notes
 
 
-def test_a_teacher_whose_page_is_opened_anew_leads_again_and_others_do_not(visitors):
-    teacher, student = visitors(), visitors()
-    secret = told(teacher)["secret"]
+def test_a_teacher_whose_page_is_opened_again_leads_again_and_others_do_not(visitors):
+    teacher, student = visitors(secret="of the teacher"), visitors()
+    assert not told(visitors(secret="of the teacher"))["leads"]  # a second page of that browser, to see a student's
     teacher.session.close()
-    assert not told(visitors())["leads"] and told(visitors(secret=secret))["leads"]
-    assert not told(student)["leads"]
+    assert not told(student)["led"] and not told(visitors())["leads"]
+    assert told(visitors(secret="of the teacher"))["leads"]
+    assert told(student)["led"] and not told(student)["leads"]
+
+
+def test_a_student_whose_page_comes_first_after_a_restart_of_the_server_does_not_lead(visitors):
+    student = visitors(follows=True)
+    assert not told(student)["leads"] and told(visitors())["leads"]
+
+
+@pytest.mark.parametrize("change", [None, {}, {"E": "1e9"}, {"E": "abc"}, {"path": "loop"}])
+def test_a_question_that_no_run_answers_is_refused_with_the_value(visitors, change):
+    teacher = visitors()
+    teacher.order("lead", stop=0, phase="ask", ask="F_s", change=change)
+    assert "stop" not in told(teacher) and "change = " in teacher.session.notes[0]
 
 
 def test_a_full_class_is_named_and_its_students_stay(visitors, monkeypatch):

@@ -41,9 +41,23 @@ def test_a_long_curve_is_thinned_out_to_what_a_drag_can_compare():
     assert curve["points"] == 9001 and len(curve["segments"][0]["x"]) <= LAID + 1
 
 
-def test_a_file_that_is_no_curve_is_refused_in_words():
-    curve, why = read_curve(Scene(), b"wavelength,colour\n1,2\n3,4\n")
-    assert curve is None and "U_x" in why
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"wavelength,colour\n1,2\n3,4\n", "U_x"),
+        (b"", "line 1"),
+        (text("U_x (nm),F (N/m)", 1e200 * U_X, U_X), "check the units"),
+        (text("time (s),F (N/m)", U_X, U_X), "give speed="),
+    ],
+)
+def test_a_file_that_is_no_curve_is_refused_in_words(content, said):
+    curve, why = read_curve(Scene(), content)
+    assert curve is None and said in why
+
+
+def test_friction_over_time_is_read_with_the_speed_that_the_visitor_gives():
+    curve, _ = read_curve(Scene(), text("time (s),F (N/m)", U_X, U_X), speed=2.0)
+    assert curve["segments"][0]["x"][-1] == pytest.approx(12.0)
 
 
 @pytest.fixture
@@ -76,5 +90,5 @@ def test_the_server_keeps_the_last_curve_until_its_visitor_leaves(page):
 @pytest.mark.slow
 def test_removing_the_curve_leaves_nothing_on_the_server(page):
     key = dropped(page, FRICTION)["key"]
-    page.order("curve", content=b"")
+    page.order("forget")
     assert content_of(key) is None and content_of("") is None

@@ -14,7 +14,7 @@ const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
 const pins = () => ({ kind: "lines", list: [] })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
 const drawing = () => ({ kind: "drawing", draw: () => {} })
-const laid = (ink) => ({ kind: "marks", marker: "circle", size: 4, hollow: true, ink, ...none }) // measured points
+const measured = (ink) => ({ kind: "marks", marker: "circle", size: 5, hollow: true, ink, ...none })
 const ways = () => ({ kind: "marks", marker: "right", size: 11, ink: "--text", ...none }) // heads along a curve
 
 const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
@@ -35,12 +35,12 @@ export function makeCharts(nodes) {
     across: "", up: "F, L (N/m)", parts: {
       zero: { kind: "across", ink: "--grid" }, pins: pins(),
       ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
-      laid_F: laid("--shear"), laid_L: laid("--normal"),
+      laid_F: measured("--pin-1"), laid_L: measured("--pin-4"),
       F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
       slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
     } })
   charts.area = new Chart(view("area"), { x: { ...path }, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
-    pins: pins(), ghost_A: line("--ghost", { width: 3 }), laid_A: laid("--area"), A: line("--area", { width: 2 }),
+    pins: pins(), ghost_A: line("--ghost", { width: 3 }), laid_A: measured("--pin-1"), A: line("--area", { width: 2 }),
     slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
   } })
   charts.map = new Chart(view("map"), { x: { ...path }, y: { ...place }, across: "", up: "x (nm)", parts: {

@@ -7,7 +7,7 @@ import { charts, makeCharts, shareAxis } from "./charts.js"
 import { readAgain } from "./colours.js"
 import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
-import { by } from "./dom.js"
+import { by, takeFromTab } from "./dom.js"
 import * as draw from "./draw.js"
 import { paint } from "./figures.js"
 import { connectFringes } from "./fringes.js"
@@ -73,6 +73,8 @@ export function start({ wire, slots, declarations, index }) {
   })
   const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
+  const lost = takeFromTab("measured curve")
+  if (lost) import("./later/overlay.js").then(({ askAgain }) => askAgain(lost))
   if (asked.has("check")) import("./later/check.js")
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }

@@ -101,51 +101,53 @@ export function laidOver(curve, run) {
 class LaidOver {
   constructor(curve, run, legs) {
     Object.assign(this, { curve, run, legs, name: mainOf(curve), unit: unitOf(curve, mainOf(curve), run) })
+    this.points = legs.reduce((sum, { segment }) => sum + segment.x.length, 0)
   }
 
-  // How far both are apart: {rms, noise, outside, points, from, to}; rms and noise in the unit of the curve (N/m for
-  // N), from and to the range of its abscissa
+  // How far both are apart: {rms, noise, outside, points, from, to}; rms, of the points within the run, and noise in
+  // the unit of the curve (N/m for N); from and to: the range of its abscissa. Null where no point lies within
   apart(set) {
-    const found = { outside: 0, points: 0, from: Infinity, to: -Infinity }
+    const found = { outside: 0, points: this.points, from: Infinity, to: -Infinity }
     let sum = 0
     for (const { segment, value, low, high } of this.legs) {
       const { x, y } = pointsOf(this.curve, this.name, this.run, set, [segment])
       for (const [k, at] of x.entries()) {
-        sum += ((y[k] - value(at)) / this.unit) ** 2
-        found.points++
-        found.outside += at < low || at > high
         found.from = Math.min(found.from, at)
         found.to = Math.max(found.to, at)
+        if (at < low || at > high) found.outside++
+        else sum += ((y[k] - value(at)) / this.unit) ** 2
       }
     }
-    const times = this.curve.units[this.name] === "N" ? Math.abs(set.scale) : 1
-    return { ...found, rms: Math.sqrt(sum / found.points), noise: times * this.curve.noise[this.name] }
+    const times = this.curve.units[this.name] === "N" ? Math.abs(set.scale) : 1, inside = this.points - found.outside
+    return inside && { ...found, rms: Math.sqrt(sum / inside), noise: times * this.curve.noise[this.name] }
   }
 
-  // Scale and zero with the least squares at a shift; of a force that an area is over: the largest of both
+  // Scale and zero with the least squares at a shift, of the points within the run; of a force that an area is over: the
+  // largest of both
   scaled(shift) {
     const { curve, legs, name, run, unit } = this
     if (scaledOf(curve).includes(curve.over)) {
       const most = largest(legs.flatMap(({ low, high }) => [low, high])) / unitOf(curve, curve.over, run)
       return { scale: most / largest(legs.flatMap(({ segment }) => segment.x)), zero: 0, shift }
     }
-    const pairs = legs.flatMap(({ segment, value }) => (
-      segment.x.map((x, k) => [value(x + shift) / unit, segment[name][k]])))
+    const pairs = legs.flatMap(({ segment, value, low, high }) => segment.x.flatMap((x, k) => (
+      x + shift < low || x + shift > high ? [] : [[value(x + shift) / unit, segment[name][k]]])))
     const [f, y] = [0, 1].map((side) => pairs.reduce((sum, pair) => sum + pair[side], 0) / pairs.length)
     const square = pairs.reduce((sum, pair) => sum + (pair[1] - y) ** 2, 0)
     const scale = square ? pairs.reduce((sum, pair) => sum + (pair[0] - f) * (pair[1] - y), 0) / square : 1
     return { scale, zero: f - scale * y, shift }
   }
 
-  // The setting of the instrument with the least squares; all: also scale and zero of a force whose unit is known
+  // The setting of the instrument with the least squares; all: also scale and zero of a force whose unit is known.
+  // Null where none with a positive scale brings half of the points over the run
   matched(all = false) {
     const { curve, legs } = this, inNewtons = Object.values(curve.units).includes("N")
     const setting = (shift) => (all || inNewtons ? this.scaled(shift) : { scale: 1, zero: 0, shift })
-    if (!curve.free) return setting(0)
     const far = (shift) => {
-      const set = setting(shift)
-      return set.scale > 0 ? this.apart(set).rms / (inNewtons ? set.scale : 1) : Infinity
+      const set = setting(shift), apart = set.scale > 0 && this.apart(set)
+      return apart && 2 * apart.outside <= apart.points ? apart.rms / (inNewtons ? set.scale : 1) : Infinity
     }
+    if (!curve.free) return far(0) < Infinity ? setting(0) : null
     const xs = legs.flatMap(({ segment }) => segment.x)
     const first = Math.min(...legs.map(({ low }) => low)) - Math.max(...xs)
     let step = (Math.max(...legs.map(({ high }) => high)) - Math.min(...xs) - first) / TRIALS
@@ -155,6 +157,6 @@ class LaidOver {
       step /= 2
       for (const at of [best[1] - step, best[1] + step]) if (far(at) < best[0]) best = [far(at), at]
     }
-    return setting(best[1])
+    return best[0] < Infinity ? setting(best[1]) : null
   }
 }

@@ -3,27 +3,41 @@
 import { order, take } from "../channel.js"
 import { Chart } from "../chart.js"
 import { charts } from "../charts.js"
-import { by, make, makeButton, say } from "../dom.js"
+import { by, keepForTab, make, makeButton, say } from "../dom.js"
 import { digits, fixed } from "../quantities.js"
 import { enter } from "../steer.js"
-import { frame, me, memory, redraw, view } from "../store.js"
+import { frame, me, memory, redraw, sees, view } from "../store.js"
+import { choose as chooseCurve, seeMore } from "../view.js"
 import { laidOver, mainOf, pointsOf } from "./measured.js"
 
 const LARGEST = 2e6 // bytes of a file, as the server
 const WIDEST = 10 // times that the handle of the scale reaches, either way
+const DRAWN = 150 // points at most: more of them hide the run
 const PARTS = { F: "forces", L: "forces", A: "area" } // the chart of a quantity
-const NEEDS = { load: "unload", loop: "loop" } // the path that has all segments of a kind
 const PLAIN = { scale: 1, zero: 0, shift: 0 }
-let name = "" // of the file
+const ASKED = { speed: "speed (nm/s)", force: "N/m per unit of the force" } // what a file may not say
+const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
+const TIP = "A tip is three-dimensional, the model is plane strain: compare forces as ratios."
+let file = null // {name, content} as read last
+export const KEPT = "measured curve" // in the tab: its name, when the connection is lost
+
+// The path that has all stages of a curve, where the run has not
+const pathOf = ({ kind }) => (kind === "load" ? "unload" : kind === "loop" ? "loop" : "shear")
 
 // Read a dropped or chosen file
-export async function read(file) {
+export async function read(given) {
   if (!by("laid")) connect()
   by("laid").hidden = false
-  name = file.name
-  if (file.size > LARGEST) return refuse(`it has ${(file.size / 1e6).toFixed(1)} MB, allowed: 2 MB; thin it out`)
+  file = { name: given.name, content: await given.arrayBuffer() }
+  if (me.lost) return refuse("the server does not answer; choose it again when it does")
+  if (given.size > LARGEST) return refuse(`it has ${(given.size / 1e6).toFixed(1)} MB; allowed: 2 MB; leave out points`)
+  if (!given.size) return refuse("it is empty; choose a file with columns such as U_x (nm) and F (N/m)")
+  return send()
+}
+
+function send(asked = {}) {
   by("laid-says").textContent = "reading …"
-  return order("curve", { content: await file.arrayBuffer() })
+  order("curve", { content: file.content, ...asked })
 }
 
 export function choose() {
@@ -31,58 +45,92 @@ export function choose() {
   input.click()
 }
 
+// After the connection was lost, and the page was opened again
+export function askAgain(name) {
+  connect()
+  by("laid").hidden = false
+  file = { name }
+  refuse("the connection was lost, and the curve with it; choose the file again")
+}
+
 function refuse(why) {
-  say("laid-why", `${name}: ${why}. ${me.laid ? "The last curve and the run" : "The run"} on screen stay${
-    me.laid ? "" : "s"}. A profile of a surface is read under Parameters.`)
-  tellApart()
+  const asks = Object.keys(ASKED).find((name) => why.includes(`${name}=`)) ?? ""
+  say("laid-why", `${file.name}: ${why.replaceAll(/give \w+= \([^)]*\)/g, "write it here")}. The run on screen stays.`)
+  by("laid-ask").hidden = !asks
+  by("laid-ask").dataset.asks = asks
+  by("laid-ask").firstChild.textContent = `${ASKED[asks] ?? ""} `
+  describe()
+}
+
+function answer() {
+  const { asks } = by("laid-ask").dataset, value = Number(by("laid-asked").value.replace(",", "."))
+  if (value > 0) send({ [asks]: value })
 }
 
 function receive({ curve, why, key }) {
   if (!curve) return refuse(why)
   say("laid-why", "")
-  me.laid = { curve, key, name, base: PLAIN, set: PLAIN, shown: {}, fresh: true }
+  by("laid-ask").hidden = true
+  me.laid = { curve, key, name: file.name, base: PLAIN, set: PLAIN, shown: {}, fresh: true }
+  if (curve.kind === "area over displacement") {
+    if (!sees("more")) seeMore()
+    chooseCurve("area")
+  }
   return match(false)
 }
 
-// Set the instrument by the least squares; all: also where the unit of the force is known
+// Set the instrument by the least squares; all: also scale and zero where the unit of the force is known
 function match(all) {
-  const { laid, charted: run } = me, over = run?.whole && laidOver(laid.curve, run)
-  const set = over ? over.matched(all) : laid.set
-  me.laid = { ...laid, base: set, set, fresh: !over }
-  for (const id of ["laid-scale", "laid-zero"]) by(id).value = 0
+  const { laid, charted: run } = me, over = run?.whole && laidOver(laid.curve, run), set = over && over.matched(all)
+  place(set || laid.set, { fresh: !over, off: Boolean(over) && !set })
   redraw() // axes hold what is measured
-  tellApart()
+  describe()
   by("announcement").textContent = by("laid-says").textContent
 }
 
+// The handles begin at a setting
+function place(set, more) {
+  me.laid = { ...me.laid, base: set, set, ...more }
+  for (const id of ["laid-scale", "laid-zero", "laid-shift"]) by(id).value = 0
+}
+
 const at = (id) => by(id).value / 100 // of a handle
+const largest = (list) => list.reduce((most, v) => Math.max(most, Math.abs(v)), 0)
 
 // What the handles say, from the setting of the last match
 function turn() {
-  const { laid } = me, { base, curve } = laid, main = curve.segments.flatMap((one) => one[mainOf(curve)])
-  const most = Math.max(...main.map(Math.abs)) * Math.abs(base.scale)
-  me.laid = { ...laid, set: { ...base, scale: base.scale * WIDEST ** at("laid-scale"),
-    zero: base.zero + most * at("laid-zero") } }
+  const { base, curve } = me.laid, most = largest(curve.segments.flatMap((one) => one[mainOf(curve)]))
+  const far = largest(curve.segments.flatMap(({ x }) => x))
+  const set = { scale: base.scale * WIDEST ** at("laid-scale"),
+    zero: base.zero + most * Math.abs(base.scale) * at("laid-zero"), shift: base.shift + far * at("laid-shift") }
+  me.laid = { ...me.laid, set, off: false }
+  const texts = { scale: `times ${digits(set.scale)}`, zero: `plus ${digits(set.zero)}`,
+    shift: `moved by ${digits(set.shift)} nm` }
+  for (const name in texts) by(`laid-${name}`).setAttribute("aria-valuetext", texts[name])
 }
 
-const laidAgain = memory()
-const draws = (run, { curve }) => run.part(run.approaching(me.drawn)).abscissa === curve.over
+const again = memory()
+const belongs = (run, { curve }) => run.part(run.approaching(me.drawn)).abscissa === curve.over
+const thinned = (list) => {
+  const every = Math.ceil(list.length / DRAWN)
+  return list.filter((_, k) => k % every === 0)
+}
 
 // The points of the curve in the chart it belongs to
 function draw() {
   const { laid, charted: run } = me
-  if (!run || !laidAgain(laid, run, run.length, run.whole, me.approach, me.look)) return
-  const shown = {}
+  if (!run || !again(laid, run, run.length, run.whole, me.approach, me.look)) return
   if (laid?.fresh && run.whole && laidOver(laid.curve, run)) return match(false)
+  const shown = {}
   for (const [of, chart] of Object.entries(PARTS)) {
-    const there = laid && laid.curve.segments[0][of] && draws(run, laid)
-    const points = there ? pointsOf(laid.curve, of, run, laid.set) : { x: [], y: [] }
-    if (there) shown[of] = points.y
-    charts[chart].fill(`laid_${of}`, points)
+    const there = laid && !laid.off && laid.curve.segments[0][of] && belongs(run, laid)
+    const { x, y } = there ? pointsOf(laid.curve, of, run, laid.set) : { x: [], y: [] }
+    if (there) shown[of] = y
+    charts[chart].fill(`laid_${of}`, { x: thinned(x), y: thinned(y) })
   }
   if (laid) laid.shown = shown
   drawRelation(run)
-  tellApart()
+  describe()
 }
 
 // Area over a force, in a plot of its own
@@ -93,7 +141,7 @@ function drawRelation(run) {
   charts.relation ??= new Chart(by("laid").querySelector(".view"), { x: { start: 0, end: 1 }, y: { start: 0, end: 1 },
     across: "", up: "A (nm)", parts: {
       A: { kind: "line", ink: "--area", width: 2, x: [], y: [] },
-      laid_A: { kind: "marks", marker: "circle", size: 4, hollow: true, ink: "--area", x: [], y: [] },
+      laid_A: { ...charts.area.parts.laid_A },
     } })
   const { from, to } = run.part(over === "L"), chart = charts.relation
   const points = pointsOf(laid.curve, "A", run, laid.set)
@@ -102,67 +150,76 @@ function drawRelation(run) {
   const [x, y] = [over, "A"].map((of) => run.curves[of].slice(from, end))
   chart.across = over === "F" ? "friction F (N/m)" : "load L (N/m)"
   chart.fill("A", { x, y })
-  chart.fill("laid_A", points)
+  chart.fill("laid_A", { x: thinned(points.x), y: thinned(points.y) })
   for (const [axis, lists] of [["x", [x, points.x]], ["y", [y, points.y]]]) {
-    const all = [...lists.flat(), 0], low = Math.min(...all), high = Math.max(...all), room = 0.06 * (high - low || 1)
+    const all = lists.flat(), high = Math.max(...all, 0), least = Math.min(...all)
+    const low = least > NARROW * high ? least : Math.min(least, 0), room = 0.06 * (high - low || 1)
     chart.range(axis, { start: low - room, end: high + room })
   }
 }
 
-// One number: how far both curves are apart
-function tellApart() {
+const UNITS = { N: "N/m", "w E": "w E", F_s: "Fₛ", A_0: "A₀" }
+const MISSING = { unload: "no retraction", loop: "no way back", shear: "no shear" }
+
+// One number: how far both curves are apart, and what was done to the measured one
+function describe() {
   const { laid, charted: run } = me
   for (const element of by("laid").querySelectorAll(".set")) element.hidden = !laid
   if (!laid) return by("laid-says").replaceChildren()
-  const { curve, set } = laid, over = run && laidOver(curve, run), main = mainOf(curve)
-  by("laid-show").hidden = Boolean(over) || !NEEDS[curve.kind]
-  by("laid-notes").textContent = [curve.notes,
-    "A tip is three-dimensional, the model is plane strain: compare forces as ratios."].join(" ")
-  const says = [`${laid.name}, ${curve.kind}: `]
-  if (over) {
-    const { rms, noise, outside, points, from, to } = over.apart(set)
-    const unit = { N: "N/m", w: "w", "w E": "w E", F_s: "Fₛ", A_0: "A₀" }[curve.units[main]] ?? curve.units[main]
-    const ends = curve.over === "F" || curve.over === "L" ? "" : ` (rms from ${fixed(from, 1)} to ${fixed(to, 1)} nm)`
-    says.push(make("b", {}, `${digits(rms, 2)} ${unit} apart`), `${ends}, ${digits(rms / noise, 2)} × its noise`)
-    if (outside) says.push(`; ${outside} of ${points} points lie beyond the run`)
-  } else says.push(curve.kind in NEEDS ? "this run has no such path" : "this run has nothing to compare it with")
-  const scale = set.scale === 1 ? "" : ` times ${digits(set.scale)}`
-  const zero = set.zero ? `, plus ${digits(set.zero)}` : ""
-  const moved = set.shift ? `; δ moved by ${fixed(set.shift, 1)} nm` : ""
-  const also = scale || zero || moved ? `. Drawn:${scale ? ` measured${scale}` : " as measured"}${zero}${moved}` : ""
-  by("laid-says").replaceChildren(...says, `${also}.`)
-  by("laid-fit").hidden = !["friction", "loop"].includes(curve.kind)
+  const { curve, set, off } = laid, over = run && laidOver(curve, run), main = mainOf(curve), unit = curve.units[main]
+  const found = over && !off && over.apart(set), says = [make("i", {}, "○ "), `${laid.name}, ${curve.kind}: `]
+  by("laid-path").hidden = Boolean(over)
+  if (found) {
+    const { rms, noise, outside, points, from, to } = found, lengths = curve.over === "U_x" || curve.over === "delta"
+    says.push(make("b", {}, `rms difference ${digits(rms, 2)} ${UNITS[unit] ?? unit}`),
+      lengths ? ` (${fixed(from, 1)} to ${fixed(to, 1)} nm)` : "", `, ${digits(rms / noise, 2)} times the noise`,
+      outside ? `; ${outside} of ${points} points lie beyond the run` : "")
+  } else if (over) says.push("no zero and positive scale bring half of it over the run: compute a longer one")
+  else says.push(`this run has ${MISSING[pathOf(curve)]}`)
+  const per = unit === "N" ? " N/m per N" : "", scale = set.scale === 1 ? "" : ` × ${digits(set.scale)}${per}`
+  if (found && (scale || set.zero)) says.push(`. Drawn: ${main}${scale} + ${digits(set.zero)}`)
+  if (found && set.shift) says.push(`. Drawn: δ + ${fixed(set.shift, 1)} nm`)
+  by("laid-says").replaceChildren(...says, ".")
+  by("laid-notes").textContent = [curve.notes, Object.values(curve.units).includes("N") ? TIP : ""].join(" ")
+  by("laid-shift").parentNode.hidden = !curve.free
+  by("laid-fit").hidden = !["friction", "loop"].includes(curve.kind) || unit === "N"
   by("laid-fit").href = `?${new URLSearchParams({ lab: "fit", theme: document.documentElement.dataset.theme,
     ...me.status.address, curve: laid.key })}`
 }
 
 function remove() {
-  order("curve", { content: new ArrayBuffer() })
+  order("forget")
   me.laid = null
   by("laid").hidden = true
   redraw()
   by("menu").focus()
 }
 
-const handle = (id, text) => make("label", { className: "set" }, `${text} `,
+const handle = (id, text) => make("label", {}, `${text} `,
   make("input", { type: "range", id, min: -100, max: 100, value: 0, oninput: turn }))
 
 function connect() {
   by("pins").after(make("section", { id: "laid", className: "pins", "aria-label": "Your data" },
-    make("span", { id: "laid-says" }), handle("laid-scale", "scale"), handle("laid-zero", "zero"),
-    makeButton({ id: "laid-match", className: "set", title: "Scale and zero with the least squares",
-      onclick: () => match(true) }, "Match"),
-    makeButton({ id: "laid-show", hidden: true, onclick: () => enter({ path: NEEDS[me.laid.curve.kind] }) },
+    make("span", { id: "laid-says" }),
+    makeButton({ id: "laid-path", hidden: true, onclick: () => enter({ path: pathOf(me.laid.curve) }) },
       "Compute that path"),
     make("a", { id: "laid-fit", className: "set", target: "_blank" }, "Fit from here"),
+    make("details", { className: "set" }, make("summary", {}, "Instrument"),
+      handle("laid-scale", "scale"), handle("laid-zero", "zero"), handle("laid-shift", "zero of δ"),
+      makeButton({ id: "laid-match", title: "Scale and zero with the least squares", onclick: () => match(true) },
+        "Match"),
+      makeButton({ id: "laid-plain", onclick: () => place(PLAIN, { off: false }) }, "As measured"),
+      make("small", { id: "laid-notes", className: "note" })),
     makeButton({ id: "laid-remove", "aria-label": "Remove your data", onclick: remove }, "×"),
     make("p", { id: "laid-why", role: "alert", className: "error", hidden: true }),
-    make("small", { id: "laid-notes", className: "set note" }),
+    make("label", { id: "laid-ask", hidden: true }, "", make("input", { id: "laid-asked", inputmode: "decimal" }),
+      makeButton({ onclick: answer }, "Read")),
     make("figure", { className: "relation", hidden: true, "aria-label": "Contact area over force" },
       make("figcaption", {}, make("b", {}, "Contact area over force")),
       make("div", { className: "view", data: { view: "relation" } },
         make("canvas", { className: "chart", "aria-hidden": "true" })))))
   take("curve", receive)
   frame(["charted", "run", "laid", "approach", "look"], draw)
-  view(["status"], () => { if (me.laid) tellApart() })
+  view(["status"], () => { if (me.laid) describe() })
+  view(["lost"], () => { if (me.lost && me.laid) keepForTab(KEPT, me.laid.name) })
 }
