@@ -16,6 +16,7 @@ STUDENTS = 100  # of a class
 CODE = re.compile(r"[A-Z]{4}")
 PHASES = "ask", "shown", "run"  # students answer; their answers are on the teacher's screen; the run decides
 ANSWERS = 3  # of a question
+ROLES = "student", "teacher"
 ASKED = "F_s", "U_s", "A_s", "L_s"  # what a teacher's own question may be about
 
 _classes: dict[str, "Class"] = {}  # by code
@@ -55,16 +56,17 @@ class Attendance:
         """Whether this visitor is the teacher."""
         return self.of is not None and self.of.teacher is self
 
-    @order("join", code=orders.is_text, secret=orders.is_text, follows=orders.is_flag)
-    def join(self, code: str, secret: str, follows: bool = False) -> None:
+    @order("join", code=orders.is_text, secret=orders.is_text, was=ROLES.__contains__)
+    def join(self, code: str, secret: str, was: str = "") -> None:
         """Join the class with a code, as its teacher if it has none yet or if that one comes back.
 
-        secret: of the browser; follows: the page was a student's before, and never leads.
+        secret: of the browser; was: the role of this page before it was loaded again. A student never leads.
         """
         if self.of or not secret or not CODE.fullmatch(code):
             raise orders.Refused
         found = _classes.setdefault(code, Class(code))
-        if not follows and found.teacher is None and found.secret in ("", secret):
+        free = found.teacher is None or was == "teacher"  # its last page may not have left yet
+        if was != "student" and free and found.secret in ("", secret):
             found.teacher, found.secret = self, secret
         elif len(found.students) < STUDENTS:
             found.students.add(self)

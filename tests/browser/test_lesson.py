@@ -43,7 +43,10 @@ def test_votes_are_counted_shown_and_decided_by_the_run(room):
     for page in said:
         page.wait_for(timeout=PATIENCE)
     texts = [page.inner_text() for page in said]
-    assert texts[0].startswith("1 of 2 are right.") and {text[:4] for text in texts[1:]} == {"Yes.", "Not "}
+    assert texts[0].startswith("1 of 2 chose the right answer.") and {text[:4] for text in texts[1:]} == {
+        "Yes.",
+        "Not ",
+    }
     teacher.get_by_role("button", name="Next: The edges").click()
     for page in (one, other):
         page.get_by_role("heading", name="2 of 9: The edges").wait_for()
@@ -62,7 +65,7 @@ def test_the_teachers_own_question_is_answered_by_the_runs_of_both_scenes(visit)
     teacher = visit("?class=OWNQ&more=0&u_x_max=16&ask=F_s&change=phi_ratio:0.5")
     student = visit("?class=OWNQ&more=0")
     student.get_by_text("How large is the friction when it slips").wait_for(timeout=PATIENCE)
-    vote(student, "less")
+    vote(student, "lower")
     teacher.get_by_role("button", name="Show the answers").click()
     for page in (teacher, student):
         page.evaluate("punch.speed = 40")
@@ -78,3 +81,33 @@ def test_the_menu_opens_a_class_of_four_letters(visit):
     page.locator("#class").click()
     page.wait_for_function("punch.lesson?.leads && /class=[A-Z]{4}/.test(location.search)")
     assert page.evaluate("punch.lesson.code") in page.inner_text("#lesson")
+
+
+def test_a_teacher_who_loads_the_page_again_leads_the_class_on_from_its_stop(room):
+    teacher, one, _ = room
+    teacher.locator("#tour").click()
+    teacher.get_by_text("0 of 2 answered").wait_for(timeout=PATIENCE)
+    vote(one, "proportion")
+    teacher.reload()
+    teacher.get_by_text("1 of 2 answered").wait_for(timeout=PATIENCE)
+    one.get_by_role("button", name="End tour").click()
+    one.locator("#tour").click()  # back to the class's stop, where it has answered
+    one.get_by_text("Your answer counts.").wait_for(timeout=PATIENCE)
+    teacher.get_by_role("button", name="Show the answers").focus()
+    teacher.get_by_role("button", name="Show the answers").press("Enter")
+    teacher.wait_for_function("document.activeElement.textContent === 'Run'")
+    other = room[2]
+    other.locator("button.answer").first.wait_for()
+    assert not other.locator("button.answer:enabled").count()  # the answers are shown: too late
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("?class=12&u_x_max=4", "class = 12: allowed: four letters"),
+        ("?class=ODDA&u_x_max=4&ask=foo", "ask = foo: allowed: U_s, F_s, L_s, A_s"),
+        ("?class=ODDC&u_x_max=4&ask=F_s&change=E:1e9", "change = E:1e9"),
+    ],
+)
+def test_a_wrong_code_or_question_is_named_with_its_value(visit, address, said):
+    visit(address).locator("[role=alert]").get_by_text(said).wait_for(timeout=PATIENCE)

@@ -51,6 +51,7 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.FORMATS.__contains__: list(orders.FORMATS),
     classes.PHASES.__contains__: list(classes.PHASES),
     classes.ASKED.__contains__: list(classes.ASKED),
+    classes.ROLES.__contains__: list(classes.ROLES),
 }
 
 

@@ -26,7 +26,7 @@ class Pupil(Tab):
         await self.arrive("?class=ABCD&u_x_max=1")
         self.lesson, self.changed = {}, changed
         await self.give({"do": "hello"})
-        await self.give({"do": "join", "code": "ABCD"})
+        await self.give({"do": "join", "code": "ABCD", "secret": f"browser {id(self)}"})
         self.listens = asyncio.create_task(self._listen())
         await self.sees(lambda lesson: lesson)
 

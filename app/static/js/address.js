@@ -24,7 +24,7 @@ class Entries {
   // Change the scene {name: text}; each move of the user's is one entry. A question of the tour is none
   writeScene(address) {
     const text = JSON.stringify(address), before = this.scene
-    if (text === before) return
+    if (text === before || (me.lesson?.ask && document.documentElement.dataset.tour)) return // its address asks for more
     const goesOn = this.move === me.move && before && difference(JSON.parse(before), address) === me.move.name
     const ofTour = ["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
     this.write((now) => {
@@ -82,7 +82,7 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "more"]
+const VIEWED = ["theme", "embed", "tour", "view", "more", "class", "ask", "change", "check"]
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
 export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page
@@ -130,10 +130,11 @@ const opensHereOnly = () => ["localhost", "127.0.0.1", "[::1]"].includes(locatio
 // Whether others can open links of this page: the server may have another name for them
 export const opensElsewhere = () => !opensHereOnly() || declared.reach.origins.length > 0
 
+export const originForOthers = () => (opensHereOnly() && declared.reach.origins[0]) || location.origin
+
 // The address of what is on screen now, for others
 export function linkTo() {
-  const origin = opensHereOnly() ? declared.reach.origins[0] : null, page = openedPage()
-  const url = new URL(location.pathname, origin ?? location.origin)
+  const page = openedPage(), url = new URL(location.pathname, originForOthers())
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)

@@ -23,9 +23,12 @@ const OWN = -1 // the place of a question that a teacher has written
 const here = () => (at === OWN ? ownStop(me.lesson) : STOPS[at])
 const baseOf = ({ preset, values }) => JSON.stringify([preset, values])
 
-export function openTour(stop = 1) {
+// Open the tour at a stop; by default at the first one, or where the class is. A teacher takes the class along
+export function openTour(stop = 0) {
+  const there = me.lesson?.stop ?? -1
+  if (!stop && there >= 0) return enterStop(there - 1)
   enterStop(Math.max(0, Math.min(STOPS.length - 1, stop - 1)))
-  if (me.lesson?.leads) order("lead", { stop: at + 1, phase: "ask" })
+  return lead()
 }
 
 function enterStop(place) {
@@ -38,19 +41,42 @@ function enterStop(place) {
   begin()
 }
 
+const shown = () => card && !card.hidden
+let led = 0, leading = false // number of the question that the class was at last; whether this page brought it there
+function lead() {
+  if (!me.lesson?.leads) return
+  leading = true
+  order("lead", { stop: at + 1, phase: "ask" })
+}
+
 // The class is at another stop, or its answers have come
-let led = 0 // number of the question that the class was at last
 export function follow() {
   const { leads, stop, asked, phase: theirs } = me.lesson, moved = asked !== led
-  if (stop === undefined) return
+  if (stop === undefined) {
+    if (leads && shown() && at !== OWN) lead() // the tour was open before the class
+    return
+  }
   led = asked
-  if (moved && (!leads || !stop)) return enterStop(stop - 1)
-  if (!card || card.hidden) return
-  if (theirs === "run" && phase === "ask") show()
-  else if (phase === "ask") write()
+  if (moved && leading) leading = false
+  else if (moved) return enterStop(stop - 1)
+  if (!shown() || phase !== "ask" || stop !== at + 1) return
+  if (theirs === "run") show()
+  else if (card.dataset.phase === theirs) tellAnswered()
+  else write()
 }
-const student = () => me.lesson?.stop === at + 1 && !me.lesson.leads && me.lesson.phase !== "run"
-const teacher = () => me.lesson?.stop === at + 1 && me.lesson.leads
+
+const inClass = () => me.lesson?.stop === at + 1
+const student = () => inClass() && !me.lesson.leads && me.lesson.phase !== "run"
+const teacher = () => inClass() && me.lesson.leads
+let voted = {} // {asked, chosen}: of the question that this page has answered
+const answeredBy = () => {
+  const { answered, here: of } = me.lesson
+  return `${answered} of ${of} answered`
+}
+function tellAnswered() {
+  const said = card.querySelector(".counted")
+  if (said) tell(said, answeredBy())
+}
 
 function close() {
   card.hidden = true
@@ -84,7 +110,7 @@ const figureOf = (name) => document.querySelector(`.view[data-view="${name}"]`)
 function begin() {
   const stop = here()
   phase = "wait"
-  chosen = null
+  chosen = student() && voted.asked === me.lesson.asked ? voted.chosen : null
   unseen = stop.unseen && baseOf(stop) in known ? stop.unseen[pick(stop.unseen.length)] : null
   choose(stop.curve)
   restore({ preset: stop.preset, ...asTexts(wanted()) })
@@ -162,10 +188,13 @@ function watch() {
   }
 }
 
+const mayAnswer = () => phase === "ask" && !teacher() && chosen === null && !(student() && me.lesson.phase === "shown")
+
 function answer(index) {
-  if (teacher() || (student() && chosen !== null)) return
+  if (!mayAnswer()) return
   chosen = index
   if (!student()) return show()
+  voted = { asked: me.lesson.asked, chosen }
   order("vote", { answer: index })
   write()
 }
@@ -199,14 +228,17 @@ const paragraph = (className, ...parts) => make("p", { className }, ...parts)
 function write() {
   const stop = here()
   const title = make("h2", {}, at === OWN ? stop.name : `${at + 1} of ${STOPS.length}: ${stop.name}`)
+  const focused = card.contains(document.activeElement)
   Object.assign(dataset, { tour: phase, shows: stop.shows ?? "" })
+  card.dataset.phase = (inClass() && me.lesson.phase) || ""
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
   if (phase === "wait") card.append(paragraph("", waiting()))
   else if (phase === "turn") card.append(paragraph("question", stop.ask))
   else writeQuestion(stop)
   if (phase === "why") writeReason(stop)
   if (phase !== "show" && phase !== "ask") card.append(make("div", { className: "answers ways" }, ...ways()))
-  if (phase === "why") card.querySelector(".ways").lastElementChild.focus({ preventScroll: true })
+  if (phase === "why") card.querySelector(".ways").lastElementChild?.focus({ preventScroll: true })
+  if (focused && !card.contains(document.activeElement)) (card.querySelector(".lead") ?? card.querySelector("button")).focus()
   hideFuture()
 }
 
@@ -216,24 +248,25 @@ function writeQuestion(stop) {
   card.append(paragraph("question", filled(stop.question)))
   card.append(make("div", { className: "answers" }, ...stop.order.map(answerButton).filter(Boolean)))
   if (phase === "show") card.append(paragraph("note", "Watch …"))
-  if (asking && student() && chosen !== null) card.append(paragraph("note", "Your answer counts. Watch the screen."))
-  if (asking && teacher()) card.append(...lead())
+  if (asking && student() && chosen !== null)
+    card.append(make("p", { className: "note", role: "status" }, "Your answer counts. Watch the screen."))
+  if (asking && teacher()) card.append(...buttonsToLead())
 }
 
 // What the teacher sees under a question: how many have answered, then how they did, then the run
-function lead() {
-  const { answered, here: of, counts } = me.lesson, next = counts ? "run" : "shown"
+function buttonsToLead() {
+  const next = me.lesson.counts ? "run" : "shown", text = me.lesson.counts ? "Run" : "Show the answers"
   const go = () => {
     order("lead", { stop: at + 1, phase: next })
     if (next === "run") show()
   }
-  return [paragraph("note", `${answered} of ${of} answered`),
-    make("div", { className: "answers ways" }, makeButton({ onclick: go }, counts ? "Run" : "Show the answers"))]
+  return [make("p", { className: "note counted", role: "status" }, answeredBy()),
+    make("div", { className: "answers ways" }, makeButton({ className: "lead", onclick: go }, text))]
 }
 
 function writeReason(stop) {
   const { counts, answered } = (teacher() && me.lesson) || {}
-  const all = counts ? `${counts[right()]} of ${answered} are right. ` : ""
+  const all = counts ? `${counts[right()]} of ${answered} chose the right answer. ` : ""
   const yes = make("b", {}, chosen === null ? all : chosen === right() ? "Yes. " : "Not so. ")
   card.append(make("p", { role: "status" }, yes, filled(stop.why)))
   if (stop.springs) card.append(make("canvas", { className: "springs" }))
@@ -249,6 +282,7 @@ function drawReason() {
 // Buttons to the stop before, to the visitor's turn, and on; the last leads to the end
 function ways() {
   const next = STOPS[at + 1], buttons = []
+  if (me.lesson && !me.lesson.leads) return phase === "why" ? [makeButton({ onclick: takeTurn }, "Your turn")] : []
   if (at > 0) buttons.push(makeButton({ onclick: () => openTour(at) }, "Previous"))
   if (phase === "why") buttons.push(makeButton({ onclick: takeTurn }, "Your turn"))
   if (next) buttons.push(makeButton({ onclick: () => openTour(at + 2) }, `Next: ${next.name}`))
@@ -264,8 +298,7 @@ function answerButton(i) {
   const reason = i === right() ? "right" : i === chosen && "wrong"
   const mark = { ask: i === chosen && "chosen", show: i === chosen && "chosen", why: reason }[phase]
   if (phase === "why" && !mark) return null
-  const asks = phase === "ask" && !teacher() && chosen === null
-  const given = { className: "answer", disabled: !asks, onclick: () => answer(i), data: mark ? { mark } : {} }
+  const given = { className: "answer", disabled: !mayAnswer(), onclick: () => answer(i), data: mark ? { mark } : {} }
   const made = makeButton(given, here().answers[i])
   const { counts, answered } = (teacher() && me.lesson) || {}
   if (counts) {

@@ -102,7 +102,7 @@ const OF_SLIP = { U_s: "U", F_s: "F", L_s: "L", A_s: "A" } // {what a question i
 // A value of a first slip; without one nothing holds, and none comes
 export const slipValue = (of, slip) => (slip ? slip[OF_SLIP[of]] : of === "U_s" ? Infinity : 0)
 
-const ASKED = { // {what a question is about: in words}
+export const ASKED = { // {what a question is about: in words}
   U_s: ["How far must the top be pulled until it slips", "nm"], F_s: ["How large is the friction when it slips", "N/m"],
   L_s: ["What is the load when it slips", "N/m"], A_s: ["How large is the contact when it slips", "nm"],
 }
@@ -114,7 +114,7 @@ export function ownStop({ ask, change, base: { preset = "fig6", ...values } }) {
     name: "A question", preset, values, order: [0, 1, 2], curve: ask === "A_s" ? "area" : "forces",
     of: ask, same: (value) => 0.01 * Math.abs(value), unseen: [{ values: change, why: "" }],
     question: `Now {change}. ${question}, compared with {before} ${unit} before?`,
-    answers: ["less", "more", "the same, within 1 %"], why: `It is {after} ${unit} instead of {before} ${unit}.`,
+    answers: ["lower", "higher", "the same, within 1 %"], why: `It is {after} ${unit} instead of {before} ${unit}.`,
     turn: "delta_bar", ask: "The sliders are yours.",
   }
 }
