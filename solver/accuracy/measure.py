@@ -4,7 +4,7 @@ for progress, report in measure(Scene(delta_bar=0.4), quick=True): ...
 print(text(report))
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
@@ -53,7 +53,11 @@ class Report:
 
 
 def measure(
-    scene: Scene, quick: bool = False, slips: int | None = None, series: Mapping[str, Method] = SERIES
+    scene: Scene,
+    quick: bool = False,
+    slips: int | None = None,
+    sweeps: Iterable[str] = tuple(SWEEPS),
+    series: Mapping[str, Method] = SERIES,
 ) -> Iterator[tuple[float, Report | None]]:
     """Yield (progress 0..1, Report so far or None) after each run; raises NotConverged, SceneError.
 
@@ -66,7 +70,7 @@ def measure(
     slips = slips or effort.slips
     scene = scene.changed(path="shear", hold="delta")
     short, frames = shortened(scene, slips)
-    planned, safe = plan(short, effort, series), largest_safe_damping(frames)
+    planned, safe = plan(short, effort, sweeps, series), largest_safe_damping(frames)
     if quick:
         own, first = recorded(short, iter(frames)), planned[0]
         coarse = perform(short.changed(**{first.sweep: first.value}), series[first.series])
@@ -108,11 +112,13 @@ def _values(scene, sweep, values):
     return sorted(in_range(scene, sweep, values), reverse=True)
 
 
-def plan(scene: Scene, effort: Effort, series: Mapping[str, Method]) -> list[Point]:
+def plan(
+    scene: Scene, effort: Effort, sweeps: Iterable[str] = tuple(SWEEPS), series: Mapping[str, Method] = SERIES
+) -> list[Point]:
     """The Points to measure, cheap ones first within each sweep and series."""
     return [
         Point(sweep, name, value)
-        for sweep in SWEEPS
+        for sweep in sweeps
         for name in series
         for value in _values(scene, sweep, (SWEEPS if name == "fast" else effort.slow).get(sweep, ()))
     ]
