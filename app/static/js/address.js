@@ -24,9 +24,10 @@ class Entries {
   // Change the scene {name: text}; each move of the user's is one entry. A question of the tour is none
   writeScene(address) {
     const text = JSON.stringify(address), before = this.scene
-    if (text === before || (me.lesson?.ask && document.documentElement.dataset.tour)) return // its address asks for more
+    const { tour } = document.documentElement.dataset
+    if (text === before || (tour && me.lesson?.ask)) return // the address of that question asks for more
     const goesOn = this.move === me.move && before && difference(JSON.parse(before), address) === me.move.name
-    const ofTour = ["wait", "ask", "show", "why"].includes(document.documentElement.dataset.tour)
+    const ofTour = ["wait", "ask", "show", "why"].includes(tour)
     this.write((now) => {
       for (const name of sceneNames()) now.delete(name)
       for (const name in address) now.set(name, address[name])

@@ -238,7 +238,8 @@ function write() {
   if (phase === "why") writeReason(stop)
   if (phase !== "show" && phase !== "ask") card.append(make("div", { className: "answers ways" }, ...ways()))
   if (phase === "why") card.querySelector(".ways").lastElementChild?.focus({ preventScroll: true })
-  if (focused && !card.contains(document.activeElement)) (card.querySelector(".lead") ?? card.querySelector("button")).focus()
+  if (focused && !card.contains(document.activeElement))
+    (card.querySelector(".lead") ?? card.querySelector("button")).focus()
   hideFuture()
 }
 
