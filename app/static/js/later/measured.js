@@ -122,8 +122,8 @@ class LaidOver {
     return inside && { ...found, rms: Math.sqrt(sum / inside), noise: times * this.curve.noise[this.name] }
   }
 
-  // Scale and zero with the least squares at a shift, of the points within the run; of a force that an area is over: the
-  // largest of both
+  // Scale and zero with the least squares at a shift, of the points within the run; of a force that an area is over,
+  // the largest of both
   scaled(shift) {
     const { curve, legs, name, run, unit } = this
     if (scaledOf(curve).includes(curve.over)) {
