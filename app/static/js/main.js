@@ -75,6 +75,6 @@ export function start({ wire, slots, declarations, index }) {
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
   const lost = takeFromTab("measured curve")
   if (lost) import("./later/overlay.js").then(({ askAgain }) => askAgain(lost))
-  if (asked.has("check")) import("./later/check.js")
+  if (asked.has("check")) import("./later/check.js").then(({ check }) => check())
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }
