@@ -106,7 +106,7 @@ COMMANDS = {
         "Stiff and extreme scenes",
         "Every eleventh of 2,000 scenes with extreme parameters, rechecked in long double and by dense spectra; closed"
         " forms; round-off of each formula.",
-        ("tests/validation/stability.py", "--quick", "--limit", "400"),
+        ("tests/validation/stability.py", "--quick"),
     ),
     "jumps": Entry(
         "Robustness",

@@ -135,13 +135,13 @@ def test_a_site_at_the_edge_of_the_window_passes_the_recheck():
 def assessed(monkeypatch, frames):
     """The verdict on a run that yields these frames, or raises them."""
 
-    def run(scene):
+    def run(scene, limit):
         for item in frames:
             if isinstance(item, Exception):
                 raise item
-            yield item
+            yield item, None
 
-    monkeypatch.setattr(verdicts, "load_path", run)
+    monkeypatch.setattr(verdicts, "until", run)
     values = {name: getattr(SMALL, name) for name in ("nodes", "width", "radius", "du_z", "du_x", "u_x_max")}
     return verdicts.assess(Case(0, ("nodes",), values))
 

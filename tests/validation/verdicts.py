@@ -18,11 +18,12 @@ from app.service.caller import Lost
 from solver.continuation.state import NotConverged, PulledOff
 from solver.run.frame import Frame
 from solver.run.load_steps import load_steps_of
-from solver.run.loadpath import load_path
+from solver.run.loadpath import until
 from solver.scene import Scene, SceneError
 
 GOOD = ("converged", "refused", "gave up")  # acceptable verdicts on a scene
 BAD = ("wrong", "non-finite", "warning", "error", "crash", "hang")
+ANSWER = 60.0  # s for one scene, after which its run ends with that reason
 LIMIT = 120.0  # s for one scene, after which it counts as hung; WORK takes a second of force evaluations
 WORK = 2e7  # node evaluations, at 20 to 40 ns each, after which a run is cut short between increments and checked
 SAMPLES = 8  # frames of a scene that are rechecked, besides those that slipped: enough to see every stage of a run
@@ -100,7 +101,7 @@ def run(scene: Scene) -> tuple[Verdict, list[Frame]]:
     frames: list[Frame] = []
     work = 0
     try:
-        for frame in load_path(scene):
+        for frame, _ in until(scene, limit=ANSWER):
             if wrong := _wrong(scene, frame):
                 return wrong, frames
             frames.append(frame)
