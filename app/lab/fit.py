@@ -18,7 +18,7 @@ from app.lab.base import LabPage, side_by_side
 from app.on_loop import on_loop
 from app.service import tasks
 from app.service.pool import HEAVY
-from app.session.measured import content_of
+from app.session.measured import kept
 from app.session.orders import LARGEST
 from solver import fit
 from solver.analysis.curve_files import read_measurement
@@ -69,15 +69,18 @@ class Fit(LabPage):
         self.curve = np.array([(frame.U_x, frame.F, frame.L) for frame in frames if frame.stage == "shear"]).T
         key, self.key = self.key, ""
         if key:  # it lies over the run of the experiment, which named it in the address
-            if (content := content_of(key)) is None:
+            if (given := kept(key)) is None:
                 raise ValueError("This server does not have the measured curve of this address. Choose the file again")
-            await self.read(content)
+            await self.read(*given)
 
-    async def read(self, content: bytes) -> None:
-        """Read the content of a file, bytes. If it is not usable, the previous measurement stays."""
+    async def read(self, content: bytes, speed: float | None = None, force: float | None = None) -> None:
+        """Read the content of a file; speed (nm/s) and force (N/m per unit) as of `read_measurement`.
+
+        If it is not usable, the previous measurement stays.
+        """
         if len(content) > LARGEST:
             raise ValueError(f"the file has {len(content)} bytes; allowed: {LARGEST}; thin it out")
-        measured = await self.call(read_measurement, self.scene, content, private=True)
+        measured = await self.call(read_measurement, self.scene, content, speed, force, private=True)
         if isinstance(measured, Recording):
             loop = "this is a loop; the page takes one stroke; in Python, fit takes all of it"
             raise ValueError(measured.unfit or loop)

@@ -11,11 +11,12 @@ from app.service.requests import Requests
 from app.session import orders
 from app.session.orders import order
 
-_kept: dict[str, bytes] = {}  # {key: content of a file}, one per visitor at most
+Kept = tuple[bytes, float | None, float | None]  # content of a file, speed and force as the visitor gave them
+_kept: dict[str, Kept] = {}  # one per visitor at most
 
 
-def content_of(key: str) -> bytes | None:
-    """Return the content of the file with a key, or None if its visitor has left."""
+def kept(key: str) -> Kept | None:
+    """Return (content, speed nm/s or None, force N/m per unit or None) of a key; None if its visitor has left."""
     return _kept.get(key)
 
 
@@ -31,14 +32,14 @@ class MeasuredCurve(Requests):
         The message `curve` has it, or why the file is not usable: then the last one stays.
         """
         call = tasks.read_curve, self.session.scene, content, speed, force
-        self.ask(call, lambda made: self._made(made, content), private=True, seconds=tasks.READING)
+        self.ask(call, lambda made: self._made(made, (content, speed, force)), private=True, seconds=tasks.READING)
 
-    def _made(self, made: Any, content: bytes) -> None:
+    def _made(self, made: Any, given: Kept) -> None:
         curve, why = made or (None, "it could not be read in time; thin it out")
         if curve is not None:
             self.forget()
             self.key = secrets.token_urlsafe(9)
-            _kept[self.key] = content
+            _kept[self.key] = given
         self.session.send("curve", curve=curve, why=why, key=self.key)
 
     @order("forget")

@@ -81,6 +81,8 @@ def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
     pairs = [(segment, _curve(measured, result, k)) for k, segment in enumerate(_moving(measured))]
     shift = _shift(measured, pairs) if measured.free else 0.0
     scale, zero = _scale(measured, pairs, shift)
+    if scale <= 0.0:
+        raise ValueError(f"a scale of {scale:.3g} brings the forces nearest to the run; turn their sign")
     rows = list[tuple[str, float, str, float, float]]()
     off, outside = dict[str, list[Floats]](), 0
     for segment, (x, curves) in pairs:

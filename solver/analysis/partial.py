@@ -127,7 +127,8 @@ def _area(scene, T_z):
     T = np.concatenate([[0.0], T_z, [0.0]]) if m < n else np.concatenate([T_z[-1:], T_z, T_z[:1]])
     T -= least_repulsion(scene)
     i = np.arange(m + 1 if m < n else m)
-    for p, q in ((i, i + 1), (i + 1, i)):  # repulsion at p, none at q: p - q apart, of which p/(p - q) is in contact
+    # where T_z is repulsive at p and not at q, the share T_p/(T_p - T_q) of the spacing between them is in contact
+    for p, q in ((i, i + 1), (i + 1, i)):
         edge = (T[p] > 0.0) & (T[q] <= 0.0)
         p, q = p[edge], q[edge]
         square = (T[p] - T[q]) ** 2

@@ -162,7 +162,7 @@ def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content
 
 
 def test_the_page_fit_reads_the_curve_over_the_run_of_the_experiment_or_asks_for_the_file(monkeypatch):
-    monkeypatch.setitem(measured._kept, "key", b"U_x,F\n" + ROWS)
+    monkeypatch.setitem(measured._kept, "key", (b"U_x,F\n" + ROWS, None, None))
     for key, said in (("key", "19 points"), ("gone", "Choose the file again")):
         page = fit.Fit(SMALL)
         page.key = key

@@ -5,7 +5,7 @@ import pytest
 from visitor import Page
 
 from app.service.tasks import LAID, read_curve
-from app.session.measured import content_of
+from app.session.measured import kept
 from solver import Scene
 
 U_X = np.linspace(0.0, 6.0, 31)
@@ -78,17 +78,17 @@ def dropped(page, content):
 @pytest.mark.slow
 def test_the_server_keeps_the_last_curve_until_its_visitor_leaves(page):
     first = dropped(page, FRICTION)["key"]
-    assert content_of(first) == FRICTION
+    assert kept(first) == (FRICTION, None, None)
     refused = dropped(page, b"nothing")
-    assert refused["curve"] is None and refused["why"] and content_of(first) == FRICTION
+    assert refused["curve"] is None and refused["why"] and kept(first) == (FRICTION, None, None)
     second = dropped(page, FRICTION + b"\n7,1")["key"]
-    assert content_of(first) is None and content_of(second)
+    assert kept(first) is None and kept(second)
     page.session.close()
-    assert content_of(second) is None
+    assert kept(second) is None
 
 
 @pytest.mark.slow
 def test_removing_the_curve_leaves_nothing_on_the_server(page):
     key = dropped(page, FRICTION)["key"]
     page.order("forget")
-    assert content_of(key) is None and content_of("") is None
+    assert kept(key) is None and kept("") is None

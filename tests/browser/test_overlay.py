@@ -77,6 +77,14 @@ def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(v
     assert f"{kind}" in page.inner_text("#laid-says") and "rms difference" in page.inner_text("#laid-says")
 
 
+def test_a_curve_longer_than_the_run_is_drawn_and_compared_where_the_run_is(visit):
+    page = visit("?u_x_max=4")
+    finished(page)
+    dropped(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{0.5 * k},{k}" for k in range(61)))
+    page.locator("#laid-says").get_by_text("52 of 61 points lie beyond the run").wait_for()
+    assert page.evaluate("charts.forces.parts.laid_F.y.length") > 20
+
+
 def test_match_finds_scale_and_zero_and_the_number_follows_a_dragged_slider(visit, run):
     page = visit(ADDRESS)
     finished(page)

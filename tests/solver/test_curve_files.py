@@ -267,3 +267,11 @@ def test_two_points_at_a_slip_may_have_one_displacement(loop):
     data = read_measurement(SMALL, table("U_x (nm),F (N/m)", U_x, F))
     assert data.U_x.size == U_x.size
     assert fit(SMALL.changed(E=30.3), data, ["E"]).values["E"] == pytest.approx(30.0, rel=5e-3)
+
+
+def test_forces_in_newtons_of_the_other_sign_are_refused_beside_a_run():
+    result = simulate(Scene(u_x_max=4.0))
+    rows = [(frame.U_x, -1e-9 * frame.F) for frame in result.frames if frame.stage == "shear"]
+    text = "\n".join(["U_x (nm),F (N)", *(f"{x:.6g},{y:.6g}" for x, y in rows)]) + "\n"
+    with pytest.raises(ValueError, match="turn their sign"):
+        read_measurement(Scene(), text).residuals(result)

@@ -65,7 +65,8 @@ export function pointsOf(curve, name, run, set, segments = curve.segments) {
   const scaled = scaledOf(curve), { over } = curve, drawn = segments.filter((one) => one[name])
   const scale = (of, v) => (scaled.includes(of) ? set.scale * v + set.zero : v)
   const lengths = over === "U_x" || over === "delta", unit = unitOf(curve, name, run)
-  const across = lengths ? (v) => v + set.shift : (v) => unitOf(curve, over, run) * scale(over, v)
+  const place = lengths ? 1 : unitOf(curve, over, run)
+  const across = lengths ? (v) => v + set.shift : (v) => place * scale(over, v)
   return { x: drawn.flatMap(({ x }) => x.map(across)),
     y: drawn.flatMap((one) => one[name].map((v) => unit * scale(name, v))) }
 }
@@ -139,7 +140,7 @@ class LaidOver {
   }
 
   // The setting of the instrument with the least squares; all: also scale and zero of a force whose unit is known.
-  // Null where none with a positive scale brings half of the points over the run
+  // Null where it is sought, and none with a positive scale brings half of the points over the run
   matched(all = false) {
     const { curve, legs } = this, inNewtons = Object.values(curve.units).includes("N")
     const setting = (shift) => (all || inNewtons ? this.scaled(shift) : { scale: 1, zero: 0, shift })
@@ -147,7 +148,7 @@ class LaidOver {
       const set = setting(shift), apart = set.scale > 0 && this.apart(set)
       return apart && 2 * apart.outside <= apart.points ? apart.rms / (inNewtons ? set.scale : 1) : Infinity
     }
-    if (!curve.free) return far(0) < Infinity ? setting(0) : null
+    if (!curve.free) return (!all && !inNewtons) || far(0) < Infinity ? setting(0) : null
     const xs = legs.flatMap(({ segment }) => segment.x)
     const first = Math.min(...legs.map(({ low }) => low)) - Math.max(...xs)
     let step = (Math.max(...legs.map(({ high }) => high)) - Math.min(...xs) - first) / TRIALS

@@ -19,7 +19,7 @@ const ASKED = { speed: "speed (nm/s)", force: "N/m per unit of the force" } // w
 const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const TIP = "A tip is three-dimensional, the model is plane strain: compare forces as ratios."
 let file = null // {name, content} as read last
-export const KEPT = "measured curve" // in the tab: its name, when the connection is lost
+const KEPT = "measured curve" // in the tab: its name, when the connection is lost, for main.js
 
 // The path that has all stages of a curve, where the run has not
 const pathOf = ({ kind }) => (kind === "load" ? "unload" : kind === "loop" ? "loop" : "shear")
@@ -55,7 +55,9 @@ export function askAgain(name) {
 
 function refuse(why) {
   const asks = Object.keys(ASKED).find((name) => why.includes(`${name}=`)) ?? ""
-  say("laid-why", `${file.name}: ${why.replaceAll(/give \w+= \([^)]*\)/g, "write it here")}. The run on screen stays.`)
+  const text = why.replaceAll(/give \w+= \([^)]*\)/g, "write it here")
+  const profile = why.includes("needed: U_x") ? " A profile of a surface is read under Parameters." : ""
+  say("laid-why", `${file.name}: ${text}. The run on screen stays.${profile}`)
   by("laid-ask").hidden = !asks
   by("laid-ask").dataset.asks = asks
   by("laid-ask").firstChild.textContent = `${ASKED[asks] ?? ""} `
@@ -64,7 +66,8 @@ function refuse(why) {
 
 function answer() {
   const { asks } = by("laid-ask").dataset, value = Number(by("laid-asked").value.replace(",", "."))
-  if (value > 0) send({ [asks]: value })
+  if (value > 0) return send({ [asks]: value })
+  return say("laid-why", `${ASKED[asks]} = ${by("laid-asked").value}: allowed: a number above 0; correct it.`)
 }
 
 function receive({ curve, why, key }) {
