@@ -1,6 +1,6 @@
 """Cost and errors of a map of first slips: delta_bar x phi_ratio, 41 x 31 points, on two processes.
 
-    python tests/bench/map.py [--set NAME=VALUE ...] [--workers N] [--checks N] [--json FILE]
+    python tests/bench/map.py [--set NAME=VALUE ...] [--points X Y] [--workers N] [--checks N] [--json FILE]
 
 Prints the share of points followed and force evaluations; on stderr, the seconds that the map took, with the start of
 its processes. Random points are then run from their start: how many are of another regime, the largest error of U_s
@@ -93,10 +93,12 @@ def report(found, rows):
 def main():
     parser = options(__doc__)
     parser.add_argument("--set", nargs="+", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--points", nargs=2, type=int, default=[41, 31], metavar=("X", "Y"))
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--checks", type=int, default=60)
     arguments = parser.parse_args()
-    grid = Map(scene_of(arguments.set), Axis("delta_bar", -1.0, 1.0, 41), Axis("phi_ratio", 0.02, 2.0, 31, True))
+    x, y = arguments.points
+    grid = Map(scene_of(arguments.set), Axis("delta_bar", -1.0, 1.0, x), Axis("phi_ratio", 0.02, 2.0, y, True))
     start = time.perf_counter()
     points = list(explore_map(grid, processes(arguments.workers)))
     seconds = time.perf_counter() - start

@@ -18,7 +18,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "jumps": (["--scenes", "1"], "1 scenes"),
     "lab": (["--visits", "1", "--only", "accuracy"], "server"),
     "landings": (["--scenes", "1"], "1 scenes, 1 slips judged"),
-    "map": (["--x", "delta_bar=0:0.2:2", "--y", "phi_ratio=0.5:1:2", "--workers", "1", "--checks", "1"], "U_s off by"),
+    "map": (["--points", "2", "2", "--workers", "1", "--checks", "1"], "U_s off by"),
     "onset": (["--scenes", "1"], "1 scenes at du_x"),
     "others": (["--kinds", "nu 0.49", "--every", "15", "--length", "1"], f"{'nu 0.49':14}{1:8}"),
     "pair": ([".", "--only", "tiny", "--repeats", "1"], "    1.00\n"),  # a checkout takes as many evaluations as itself
