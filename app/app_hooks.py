@@ -6,7 +6,6 @@ import os
 import signal
 from concurrent.futures import CancelledError
 from contextlib import suppress
-from pathlib import Path
 from threading import Thread
 from typing import Any
 
@@ -15,13 +14,13 @@ from bokeh.settings import settings
 from tornado.ioloop import IOLoop, PeriodicCallback
 
 from app import lab, routes, server_log
+from app.experiment import example, visitors
 from app.page import shared
 from app.service import metrics, worker
 from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
 from app.service.stored import row
-from app.session.session import visitors
 from solver import Scene
 from solver.mechanics import cohesive_law
 
@@ -35,7 +34,7 @@ PARENT = os.getpid()  # that of a server made by --num-procs, which forks after 
 
 def on_server_loaded(server_context: Any) -> None:
     """Start the workers, then load code and compute runs that the first page does not need: the port is open."""
-    shared(f"/{Path(__file__).parent.name}")
+    shared(example)
     pool.start()
     if os.getpid() != PARENT:
         PeriodicCallback(_end_with_parent, LOOK).start()

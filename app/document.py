@@ -1,21 +1,14 @@
 """What this app uses of a Bokeh document beyond its documentation; tests/app/test_document.py guards it.
 
-The message event is documented, but not that the callbacks of a document send it. `doc.models.freeze` is internal.
+`doc.models.freeze` is internal.
 """
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from typing import Any
 
 from bokeh.document import Document
-from bokeh.document.events import MessageSentEvent
 
 from app.on_loop import on_loop
-
-
-def send(doc: Document, kind: str, content: dict[str, Any]) -> None:
-    """Send a message to the browser of a document, {"kind": kind, ...}; values are those of JSON, or bytes."""
-    doc.callbacks.trigger_on_change(MessageSentEvent(doc, "message", {"kind": kind} | content))
 
 
 def frozen(doc: Document) -> AbstractContextManager[None]:

@@ -2,8 +2,7 @@
 
 import panel as pn
 
-from app import lab, routes
-from app.page import open_page
+from app import experiment, lab, routes
 
 routes.require()  # a server of this file alone has run no hooks
-lab.serve() if "lab" in pn.state.session_args else open_page()
+lab.serve() if "lab" in pn.state.session_args else experiment.serve()

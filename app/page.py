@@ -1,50 +1,45 @@
-"""The page, composed once for all visitors. Each visitor gets it with marks replaced, and has only few own models.
+"""The page, composed once for all visitors; each gets it with marks replaced by what is his.
 
-A visitor's document on the server has the wire and the slots for figures of pages, with the same ids for all visitors.
-All other models exist only in the browser, which receives the document as text (session/message_filter.py).
-Undocumented in Bokeh 3.9: the id `_id` of a model, and the functions of `bokeh.embed` that write the page.
+Undocumented in Bokeh 3.9: the functions of `bokeh.embed` that write a page.
 """
 
-import json
-import logging
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import panel as pn
 from bokeh.document import Document
 from bokeh.embed.elements import html_page_for_render_items
 from bokeh.embed.util import RenderItem
-from bokeh.models import CustomJS, Div
-from bokeh.settings import settings
+from bokeh.resources import Resources
+from panel.io.resources import Resources as PanelResources
+from panel.io.resources import bundle_resources
+from panel.io.state import set_curdoc
 
 from app import assets, lab, pages, schema
-from app.document import frozen
 from app.server_log import reach
 from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
-from app.session.orders import Wire
-from app.session.session import Session
 from solver.presets import presets
 from solver.scene import CHOICES, LIMITS
 
-log = logging.getLogger("app")
 HERE = Path(__file__).parent
 TITLE = "Why does it stick, peel and slip?"
 SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # of the top during playback
 PLAIN_SPEED = 4
+
+
 PRELOAD = '<link rel="preload" id="stored" as="fetch" crossorigin="anonymous" href="{}">'
 MARK = "@{}@"  # a placeholder in the page for a value of the visitor
 
 
 @dataclass(frozen=True)
 class Shared:
-    """The texts that all visitors share: the page in HTML with MARKs, and the document in JSON."""
+    """The page in HTML with MARKs, for all visitors; stored: {preset: address of its stored run}."""
 
     page: str
-    document: str
-    stored: dict  # {preset: address of its stored run}
+    stored: dict[str, str]
 
     def page_for(self, arguments: Any, **own: Any) -> str:
         """Return the page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
@@ -60,60 +55,24 @@ class Shared:
         return page
 
 
-def open_page() -> None:
-    """Add a visitor's own models to the current document."""
-    doc = pn.state.curdoc
-    try:
-        session = Session(doc, pages.Pages, pn.state.session_args)
-        doc.on_session_destroyed(lambda session_context: session.close())
-        with frozen(doc):
-            for model in _own(session.wire, session.pages.slots):
-                doc.add_root(model)
-    except Exception:  # otherwise the visitor would wait forever
-        log.exception("the page could not be built")
-        doc.clear()
-        doc.add_root(Div(text="The experiment could not be opened. See the server's log, then reload the page."))
+@cache
+def shared(document: Callable[[Document], None]) -> Shared:
+    """Return the Shared of a page around the roots that document(doc) adds to a Document, as it does for a visitor.
 
-
-def _own(wire, slots):
-    """Yield the models that a visitor's document also has on the server.
-
-    Their ids are constant, as the text of the document, which names them, is composed once for all visitors.
+    The browser finds roots by their order, so that these of an example may stand for them.
     """
-    for name, model in {"wire": wire, **slots}.items():
-        model.name, model._id = name, name
-        yield model
-
-
-def shared(address: str) -> Shared:
-    """Return the Shared for a page at this address, with the current scripts and styles."""
-    return _composed(assets.root(address))
-
-
-@lru_cache(2)
-def _composed(root):
-    doc, wire, slots = Document(), Wire(), pages.places()
-    (*_,) = _own(wire, slots)
-    next(iter(slots.values())).tags = [wire]  # Bokeh synchronises only models that a root refers to
-    with frozen(doc):
-        for name, model in slots.items():
-            model.name = name
-            doc.add_root(model)
-    doc.title = TITLE
-    doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
-    doc.js_on_event("document_ready", _player(wire, slots, root))
-    doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
-    text = json.dumps(doc.to_json(deferred=False), separators=(",", ":"), allow_nan=False)
-    page = re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', _html(doc, root))
-    return Shared(page, text, _stored(root))
-
-
-def _html(doc, root):
-    bundle = Path(settings.bokehjs_path()) / "js" / "bokeh.min.js"  # the only one
-    script = f'<script src="./static/js/bokeh.min.js?v={assets.content(bundle)[2]}"></script>'
-    item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
-    sections = "".join(map(pages.section, pages.listed()))
-    return html_page_for_render_items((script, ""), {}, [item], TITLE, template(sections), values(root))
+    doc, root = Document(), assets.root(HERE.name)
+    with set_curdoc(doc):
+        document(doc)
+        resources = PanelResources.from_bokeh(Resources(mode="server", root_url="./"))
+        resources.components = ["bokeh", "bokeh-widgets", "bokeh-tables"]  # needed by those of Panel
+        item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
+        given = values(root) | {"values": {control.name: MARK.format(control.name) for control in CONTROLS}}
+        given |= {"places": {control.name: MARK.format(f"{control.name}-at") for control in CONTROLS}}
+        given |= {"preload": MARK.format("stored")}
+        page = template("".join(map(pages.section, pages.listed())))
+        html = html_page_for_render_items(bundle_resources(doc.roots, resources), {}, [item], TITLE, page, given)
+    return Shared(re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', html), _stored(root))
 
 
 def template(sections: str) -> str:
@@ -126,11 +85,11 @@ def values(root: str) -> dict[str, Any]:
     """Return what the template takes; root: address of scripts and styles."""
     return {
         "root": root,
+        "main": f"{root}/static/js/main.js",
+        "declarations": declarations(root),
         "styles": assets.styles(),
         "scripts": sorted(map(assets.named, assets.needed(assets.STATIC / "js" / "main.js"))),
         "controls": CONTROLS,
-        "values": {control.name: MARK.format(control.name) for control in CONTROLS},
-        "places": {control.name: MARK.format(f"{control.name}-at") for control in CONTROLS},
         "drawer": drawer(),
         "meaning": meaning,
         "also": ALSO,
@@ -175,19 +134,3 @@ def declarations(root: str) -> dict[str, Any]:
         "reach": reach()._asdict(),
         "scripts": [name for name in pages.listed() if (pages.HERE / name / "page.js").exists()],
     }
-
-
-def _player(wire, slots, root):
-    """Return the callback that starts the browser's part of the app, with the models it changes."""
-    return CustomJS(
-        args={
-            "wire": wire,
-            "slots": slots,
-            "declarations": json.dumps(declarations(root)),
-            "main": f"{root}/static/js/main.js",
-        },
-        code="""
-            const given = { wire, slots, declarations, index: cb_context.index }
-            import(new URL(main, document.baseURI)).then(({ start }) => start(given))
-        """,
-    )

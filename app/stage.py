@@ -1,113 +1,84 @@
-"""A computed run on the page of the app, in one HTML file that plays without a server and without a network.
+"""The live page as one component of Panel. Its parameters are all that server and browser tell each other.
+
+In a notebook, or as a file, it shows a computed run instead:
 
     from app.stage import Stage
     from solver import Scene, simulate
 
     Stage(simulate(Scene())).save("punch.html")
-
-A notebook shows a Stage as an output. Scripts are in the file as an import map of data addresses: browsers import no
-scripts beside a local file.
 """
 
-import base64
-import html
-import json
-import re
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment
+import param
+from panel.custom import JSComponent
 
-from app import assets, page
-from app.service import packing, worker
-from solver import Scene
-from solver.scene import LIMITS, PARAMETERS
+from app import alone, page
 
-EMPTY = "{% macro embed(root) %}{% endmacro %}"  # of the live page, which has no figures of Bokeh
-BASE = """<!DOCTYPE html>
-<html lang="en" data-embed data-alone>
-<head><meta charset="utf-8"><title>{{ title }}</title>
-<script type="importmap">{{ imports }}</script>
-<style>{{ style }}</style>
-{% block postamble %}{% endblock %}
-<link id="stored" href="{{ run }}">
-</head>
-<body>{% block contents %}{% endblock %}
-<script type="module">
-import { start } from "static/js/main.js"
-const wire = { document: { on_message() {} } } // nobody sends orders on
-start({ wire, slots: {}, declarations: {{ declarations }}, index: null })
-</script></body></html>
+# Panel imports a component's scripts as copies, so this one only hands the model over
+SCRIPT = """
+    export function render({ model }) {
+        document.dispatchEvent(new CustomEvent("stage", { detail: model }))
+    }
 """
-FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 0; max-width: 100%"></iframe>'
 
 
-class Stage:
-    """A Result of `simulate` to be seen, played and scrubbed, with its failure and cautions; read-only."""
+class Stage(JSComponent):
+    """The punch, its curves, its sliders and its player, drawn by app/static/js; or a Result, to be played.
 
-    def __init__(self, result: Any, title: str = page.TITLE) -> None:
-        """result: a Result; title: of the file. Raises ValueError for a result without frames."""
-        if not len(result.frames):
-            raise ValueError("result has no frames; allowed: at least one; compute a longer run")
-        self.result, self.title = result, title
+    A visitor's browser sets the parameters of the second group, {"n": number, field: value}; `orders.read` checks each
+    field where it arrives. Several values of one parameter may arrive as the last one.
+    """
 
-    def save(self, path: str | Path) -> None:
-        """Write the file. Raises OSError where it cannot be written."""
-        Path(path).write_text(self.html(), encoding="utf-8")
+    # what the browser shows
+    run = param.Dict({}, doc="a part of a computed run: run, state, frames, body (bytes, service/packing.py)")
+    skeleton = param.Dict({}, doc="a predicted run: acknowledged, body (bytes, service/skeletons.py)")
+    status = param.Dict({}, doc="of values, notes, errors, marks and progress, what has changed")
+    beside = param.Dict({}, doc="the page beside the experiment (app/pages)")
+    sheet = param.Dict({}, doc="what is shared: link, python, qr")
+    file = param.Dict({}, doc="a run in full precision: ending, body (bytes), why")
+    slip = param.Dict({}, doc="states of the transient of a slip: frame, body (bytes); or why there are none")
+    table = param.Dict({}, doc="a table from tractions to stress in the layer: asked, depth, counts, scale, body")
+    trace = param.Dict({}, doc="the profile in a file, with a question: trace, why")
+    measured = param.Dict({}, doc="a measured curve: curve, key; or why the file has none")
+    lesson = param.Dict({}, doc="the class of this visitor: code, stop, phase, answered, counts")
 
-    def html(self) -> str:
-        """Return the file as text."""
-        scene, frames = self.result.scene, list(self.result.frames)
-        (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
-        alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(self.result.notes)}}
-        values = page.values("") | {
-            "title": html.escape(self.title),
-            "imports": json.dumps({"imports": _scripts()}),
-            "style": "\n".join(path.read_text(encoding="utf-8") for path in sorted(assets.STATIC.glob("*.css"))),
-            "styles": [],
-            "scripts": [],
-            "values": {control.name: "" for control in page.CONTROLS},  # of sliders, which the file does not show
-            "places": {control.name: 0 for control in page.CONTROLS},
-            "run": _address("application/octet-stream", block),
-            "declarations": json.dumps(json.dumps(page.declarations("") | alone)).replace("<", "\\u003c"),
-        }
-        jinja = Environment(trim_blocks=True, lstrip_blocks=True)
-        jinja.globals["base"] = jinja.from_string(BASE)
-        jinja.globals["macros"] = jinja.from_string(EMPTY)
-        template = "{% extends base %}\n" + page.template("").replace('"macros"', "macros")
-        text = jinja.from_string(template).render(values).replace(page.MARK.format("stored"), "")
-        return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
+    # what a visitor asks for
+    hello = param.Dict({}, doc="the page is ready for the first run")
+    scene = param.Dict({}, doc="parameters by hand: values {name: text}, held")
+    release = param.Dict({}, doc="the hand has let go: exact (at once)")
+    skip = param.Dict({}, doc="end the run and keep its frames")
+    restore = param.Dict({}, doc="the scene of an address: values {name: text}")
+    profile = param.Dict({}, doc="the file of a profile: content (bytes), unit, begin, end, cut_off, sure")
+    page = param.Dict({}, doc="open a page beside the experiment: page")
+    ask = param.Dict({}, doc="controls of the page that is open: what, of, x, y")
+    share = param.Dict({}, doc="the Python lines and the QR code of a link: link")
+    export = param.Dict({}, doc="the run as a file: kind (npz or json)")
+    film = param.Dict({}, doc="the transient of a slip: run, frame")
+    layer = param.Dict({}, doc="a table of the layer: rows, modes, depth (nm)")
+    curve = param.Dict({}, doc="the file of a measured curve: content (bytes), speed (nm/s), force (N/m per unit)")
+    forget = param.Dict({}, doc="keep no measured curve")
+    join = param.Dict({}, doc="join a class: code, secret, was (role before)")
+    lead = param.Dict({}, doc="take a class to a stop: stop, phase, ask, change")
+    vote = param.Dict({}, doc="a student's answer: answer")
+
+    def __init__(self, result: Any = None, title: str = "", **params: Any) -> None:
+        """result: a Result to show, read-only; title: of its file. Raises ValueError for a Result without frames."""
+        super().__init__(**params)
+        self._file = None if result is None else alone.page_of(result, title or page.TITLE)
+
+    def save(self, path: str | Path, *_: Any, **__: Any) -> None:  # type: ignore[override]
+        """Write the file of the Result. Raises OSError where it cannot be written."""
+        Path(path).write_text(self._file or "", encoding="utf-8")
+
+    def _repr_mimebundle_(self, *_: Any, **__: Any) -> Any:
+        """Return the file in a frame of a notebook."""
+        return {"text/html": self._repr_html_()}, {}
 
     def _repr_html_(self) -> str:
-        """Return the file in a frame of a notebook."""
-        return FRAME.format(html.escape(self.title), html.escape(self.html()))
+        return alone.framed(self._file or "")
 
-
-def _address(kind, content):
-    """Return bytes as a data address."""
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
-
-
-def _scripts():
-    """Return {name: data address} of all scripts that the page needs at once. Their imports are by these names."""
-    made = {}
-    for path in assets.needed(assets.STATIC / "js" / "main.js"):
-        named = lambda match, path=path: f'"{assets.named((path.parent / match[1]).resolve())}"'  # noqa: E731
-        text = re.sub(
-            r'(?<=from )"(\.[^"]+)"|(?<=^import )"(\.[^"]+)"', named, path.read_text(encoding="utf-8"), flags=re.M
-        )
-        made[assets.named(path)] = _address("text/javascript", text.encode())
-    return made
-
-
-def _words(scene):
-    """Return the parameters of a Scene that are not the usual ones, in words."""
-    usual, given = vars(Scene()), vars(scene)
-    names = [name for name in PARAMETERS if str(given[name]) != str(usual[name])]
-    return ", ".join(f"{name} = {_value(name, given[name])}" for name in names) or "the default scene"
-
-
-def _value(name, value):
-    """Return the value of a parameter with its unit."""
-    number = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{number} {LIMITS[name].unit}".rstrip() if name in LIMITS else number
+    _esm = SCRIPT
+    # Panel waits 50 ms for other changes, unless they are of these
+    _priority_changes = ("scene", "hello", "restore", "release", "skip")  # type: ignore[assignment]

@@ -23,6 +23,7 @@ from tornado.web import RequestHandler, authenticated
 
 from app.assets import PAGES, STATIC, content, version
 from app.environment import FRAMES, VISITORS
+from app.experiment import example
 from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
@@ -44,11 +45,14 @@ body {{ font: 18px/1.5 system-ui; margin: 2em auto; padding: 0 1em; max-width: 3
 
 
 def policy(host: str, nonce: str, frames: str) -> str:
-    """Return the Content-Security-Policy of the page: Bokeh compiles code of a document, and writes inline styles."""
+    """Return the Content-Security-Policy of the page.
+
+    Bokeh compiles code of a document, and writes inline styles; Panel loads the script of a component as a blob.
+    """
     sockets = f" ws://{host} wss://{host}" if HOST.fullmatch(host) else ""  # not 'self' in some browsers
     return (
-        f"default-src 'none'; script-src 'self' 'nonce-{nonce}' 'unsafe-eval'; style-src 'self' 'unsafe-inline';"
-        f" img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'{sockets}; base-uri 'none';"
+        f"default-src 'none'; script-src 'self' blob: 'nonce-{nonce}' 'unsafe-eval'; style-src 'self' 'unsafe-inline';"
+        f" img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'{sockets} blob:; base-uri 'none';"
         f" form-action 'none'; frame-ancestors {frames}"
     )
 
@@ -140,7 +144,7 @@ class Page(Plain, DocHandler):
             if "lab" in arguments:
                 page = await self.lab_page(token, nonce)
             else:
-                page = shared(self.application_context.url).page_for(arguments, token=token, nonce=nonce)
+                page = shared(example).page_for(arguments, token=token, nonce=nonce)
         except Exception:
             log.exception("the page could not be built")
             return self.refuse(500, "The experiment could not be opened", f"See the server's log. {self.without}")

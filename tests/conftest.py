@@ -194,11 +194,11 @@ def session():
     from bokeh.document import Document
     from visitor import NoPool, ended
 
+    from app.experiment import Experiment
     from app.pages import Pages
     from app.service.jobs import Jobs
-    from app.session.session import Session
 
-    visit = Session(Document(), Pages, {}, Jobs(NoPool()))
+    visit = Experiment(Document(), Pages, {}, Jobs(NoPool()))
     visit.doc.add_next_tick_callback = lambda call: ended(call())  # no server: at once
     for slot in visit.pages.slots.values():
         visit.doc.add_root(slot)

@@ -135,7 +135,7 @@ class Pages:
             for slot in page.views:
                 self.slots[f"{self.name}_{slot}"].children = []
             self.name = ""
-            self.session.send("page")
+            self._tell()
 
     def close(self) -> None:
         """Cancel all calls: the visitor left."""
@@ -155,4 +155,8 @@ class Pages:
         """Send the news of a page, unless it is closed."""
         before, page.published = page.published, page.published | news
         if page is self.page and (page.published != before or not news):
-            self.session.send("page", **page.published)
+            self._tell()
+
+    def _tell(self):
+        """Send the state of the open page. Later, as Panel sends it at once, but Bokeh its figures after this call."""
+        self.session.later(lambda: self.session.send("beside", **(self.page.published if self.page else {})))

@@ -132,7 +132,7 @@ class Attendance:
             shown = self.of.stop.get("phase") != "ask"
             content |= {"here": len(self.of.students), "answered": len(votes)}
             content |= {"counts": [votes.count(k) for k in range(ANSWERS)] if shown else None}
-        self.session.send("class", **content)
+        self.session.send("lesson", **content)
 
     def leave(self) -> None:
         """Leave the class with this visitor's vote."""

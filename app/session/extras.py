@@ -38,9 +38,9 @@ class Film(Requests):
 
     def _made(self, made, frame):
         if made is None or isinstance(made, str):
-            return self.session.send("film", why=made or "it could not be computed; try again")
+            return self.session.send("slip", why=made or "it could not be computed; try again")
         for block in made:
-            self.session.send("film", frame=frame, body=block)
+            self.session.send("slip", frame=frame, body=block)
 
 
 class Layer(Requests):
@@ -69,7 +69,7 @@ class Layer(Requests):
     def _made(self, made, head):
         if not isinstance(made, Exception):  # without a table the browser draws nothing
             counts, scale, body = made
-            self.session.send("layer", counts=counts, scale=scale, body=body, **head)
+            self.session.send("table", counts=counts, scale=scale, body=body, **head)
 
 
 def mark_calls(scene: Scene, skeleton: Skeleton | None) -> dict[str, tuple]:

@@ -40,7 +40,7 @@ class MeasuredCurve(Requests):
             self.forget()
             self.key = secrets.token_urlsafe(9)
             _kept[self.key] = given
-        self.session.send("curve", curve=curve, why=why, key=self.key)
+        self.session.send("measured", curve=curve, why=why, key=self.key)
 
     @order("forget")
     def forget(self) -> None:

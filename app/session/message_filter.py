@@ -1,15 +1,12 @@
-"""The websocket of a visitor. Of all messages of a browser, only changes of `wire.order` reach the Session.
+"""The websocket of a visitor. A browser may change the models of its own page, and add none.
 
-Bokeh parses the messages. It would also apply patches of any model, add roots, and answer errors with a traceback; this
-module rejects such messages. It also sends the document, which is the same for all. Undocumented in Bokeh 3.9: the
-handler of "/ws" has the `receiver`, `handler` and `connection` of a session, and a document must know the models of a
-browser.
+Bokeh parses and applies the messages. It would also add roots, or change the title; this module rejects such messages.
+Of the experiment's Stage a browser sets the parameters with an order, and no other. Undocumented in Bokeh 3.9: the
+handler of "/ws" has the `receiver`, `handler` and `connection` of a session.
 """
 
 import asyncio
-import json
 import logging
-from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -19,23 +16,18 @@ from tornado.ioloop import IOLoop
 from tornado.websocket import WebSocketClosedError
 
 from app.environment import VISITORS
-from app.on_loop import on_loop
-from app.page import shared
+from app.experiment import visitors
 from app.service import metrics
-from app.session import orders
-from app.session.session import visitors
 
 log = logging.getLogger("app")
-LONGEST = 2 * orders.SMALL  # characters of a text in a message, such as an order without its file
 PARTS = 5  # of a message: header, metadata, content; for a file also its header and bytes
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
 SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
 CHANGES = {"ModelChanged", "MessageSent"}  # of widgets, and clicks
-CHANGE = {"kind": "ModelChanged", "model": {"id": "wire"}, "attr": "order"}  # an event with an order
 
 connected = set()  # ids of the sessions whose browsers are connected
-opened = set()  # ids of the sessions of research pages that were sent, and whose browsers may still connect
+opened = set()  # ids of the sessions whose pages were sent, and whose browsers may still connect
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
@@ -116,24 +108,24 @@ class MessageFilter(WSHandler):
             return None
 
     async def on_message(self, fragment: str | bytes) -> None:
-        """Let Bokeh parse a part of a message, and obey the message when complete."""
+        """Let Bokeh parse a part of a message, and apply the message when complete."""
         if self.rejected:
             return await asyncio.sleep(0)
         self.parts += 1
         try:
             if self.parts > PARTS:
                 raise ValueError("a message of too many parts")
-            plain = self._is_plain()
-            message = await self.receiver.consume(fragment if plain else _bounded(fragment))
+            message = await self.receiver.consume(fragment)
             if message is not None:
                 self.parts = 0
-                given = [] if plain and is_change(message) else _orders(message)
+                self._check(message)
                 self.silent = False
+                if self._session is not None:
+                    await self._apply(message)
+        except WebSocketClosedError:  # it has left
+            pass
         except Exception as error:
             return self._reject(error)
-        if message is not None and self._session is not None:
-            with suppress(WebSocketClosedError):  # it has left
-                await (self._apply(message) if plain else self._answer(message, given))
         await asyncio.sleep(0)  # Tornado awaits this for its whole buffer: other visitors have a turn
 
     async def send_message(self, message: Any) -> None:
@@ -141,89 +133,34 @@ class MessageFilter(WSHandler):
         with suppress(WebSocketClosedError):
             await message.send(self)
 
-    def _is_plain(self) -> bool:
-        """Whether the document is a page of app/lab, whose widgets Bokeh keeps up to date."""
-        context = self._session and self._session.document.session_context
-        return bool(context and context.request) and "lab" in context.request.arguments
+    def _check(self, message):
+        """Raise ValueError for a message that no page sends. Changes of what is gone are dropped: a page was closed."""
+        if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
+            raise ValueError("a message that no page sends")
+        events = message.content.get("events", ())
+        if {event["kind"] for event in events} - CHANGES:
+            raise ValueError("a message that adds to the document")
+        if not events or self._session is None:
+            return
+        visitor, known = self._visitor(), self._session.document.get_model_by_id
+        changes = [event for event in events if event["kind"] == "ModelChanged"]
+        if visitor and not all(visitor.may_change(change["model"]["id"], change["attr"]) for change in changes):
+            raise ValueError("a change of what the server tells")
+        gone = [change for change in changes if known(change["model"]["id"]) is None]
+        message.content["events"] = [event for event in events if event not in gone]
 
-    async def _apply(self, message: Any) -> None:
-        """Let Bokeh apply changes of the widgets, or send the document. An error ends the connection."""
-        session = self._session
+    async def _apply(self, message):
+        """Let Bokeh apply changes, or send the document: Bokeh 3.10 sends it, 3.9 returns the message to send."""
         if message.msgtype == "PULL-DOC-REQ":
-            return await self._give_own_document(message)
-        try:
-            await self.send_message(await session.patch(message, self.connection))
-        except Exception as error:
-            self._reject(error)
-
-    def _visitor(self):
-        """The Session of this browser, or None."""
-        here = tuple(visitors)  # under Bokeh 3.10 a thread may add one
-        return next((each for each in here if each.doc is self._session.document), None)
-
-    async def _answer(self, message, given):
-        session, visitor = self._session, self._visitor()
-        if message.msgtype != "PULL-DOC-REQ":
-            for order in given if visitor else ():
-                await session.with_document_locked(on_loop(visitor.obey, order))
-        elif isinstance(session.document.get_model_by_id("wire"), orders.Wire):
-            await session.with_document_locked(self._give_document, message.header["msgid"])
-        else:  # the document shows the error
-            await self._give_own_document(message)
-
-    async def _give_own_document(self, message):
-        """Let Bokeh answer the request for a document: Bokeh 3.10 sends it, 3.9 returns the message to send."""
-        reply = await self.handler.handle(message, self.connection)
+            reply = await self.handler.handle(message, self.connection)
+        else:
+            reply = await self._session.patch(message, self.connection)
         if reply is not None:
             await self.send_message(reply)
 
-    async def _give_document(self, number):
-        """Answer the request for a document with the text that all visitors share."""
-        head = {"msgid": f"{number}-document", "msgtype": "PULL-DOC-REPLY", "reqid": number}
-        text = shared(self.application_context.url).document
-        with await self.write_lock.acquire():
-            for part in (json.dumps(head), "{}", f'{{"doc":{text}}}'):
-                await self.write_message(part, locked=False)
-        self._session.document.models.flush_synced()
-
-
-def _bounded(fragment):
-    """Return a part of a message, or an empty one if it is too long."""
-    if isinstance(fragment, str):
-        return fragment if len(fragment) <= LONGEST else "{}"
-    return fragment if len(fragment) <= orders.LARGEST else b""
-
-
-def _orders(message):
-    """Return the new values {name: value} of `wire.order` in a message; raises ValueError for other messages."""
-    if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
-        raise ValueError("a message that no page sends")
-    events = message.content.get("events", ()) if message.msgtype == "PATCH-DOC" else ()
-    files = [buffer.to_bytes() for buffer in message.buffers]
-    given = [decoded(event["new"], files) for event in events if event.items() >= CHANGE.items()]
-    if not all(isinstance(order, dict) for order in given):
-        raise ValueError("an order without fields")
-    return given
-
-
-def is_change(message: Any) -> bool:
-    """Whether a message only changes models, or asks for the document; raises ValueError for any other."""
-    if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ"):
-        raise ValueError("a message that no page sends")
-    kinds = {event["kind"] for event in message.content.get("events", ())}
-    if kinds - CHANGES:
-        raise ValueError("a message that adds to the document")
-    return True
-
-
-def decoded(value: Any, files: Sequence[Any] = ()) -> Any:
-    """Return a value that BokehJS has encoded, from plain values, lists, objects and one file of `files`, bytes."""
-    if isinstance(value, list):
-        return [decoded(each, files) for each in value]
-    if not isinstance(value, dict):
-        return value
-    if value["type"] == "map":
-        return {str(name): decoded(each, files) for name, each in value.get("entries", ())}
-    if value["type"] == "bytes":
-        return files[0]
-    return float(value["value"])  # of type "number": nan or infinite
+    def _visitor(self):
+        """The Experiment of this browser, or None."""
+        if self._session is None:
+            return None
+        here = tuple(visitors)  # under Bokeh 3.10 a thread may add one
+        return next((each for each in here if each.doc is self._session.document), None)

@@ -1,23 +1,14 @@
-"""Orders of a browser, {"do": name, "n": number, field: value, ...}: how a method declares one, and how it is read."""
+"""Orders of a browser: parameters of the Stage, {"n": number, field: value}. How a method declares one."""
 
 from collections.abc import Callable
 from inspect import Parameter, signature
 from typing import Any, NamedTuple
 
-from bokeh.core import properties
-from bokeh.model import DataModel
-
 from app.session.controls import FOR_SERVER, PARAMETERS
 
 SMALL = 8000  # characters of an entry; more than any number needs
 LARGEST = 2_000_000  # bytes of a file; the browser checks this too
-FILES, FORMATS = ("profile",), ("npz", "json")
-
-
-class Wire(DataModel):
-    """The model through which a browser gives its orders."""
-
-    order = properties.Any(default=None)
+FORMATS = "npz", "json"
 
 
 class Refused(ValueError):
@@ -100,12 +91,9 @@ def orders_of(*owners: object) -> dict[str, Callable]:
     return {name: getattr(owner, method) for owner in owners for name, method in declared(type(owner)).items()}
 
 
-def read(given: dict[str, Any], methods: dict[str, Callable]) -> tuple[Callable, dict[str, Any]]:
-    """Return (method, {field: value}) for an order that a browser has given; raises Refused."""
-    method = methods.get(str(given.get("do")))
-    values = {name: value for name, value in given.items() if name not in ("do", "n") and value is not None}
-    if method is None:
-        raise Refused
+def read(method: Callable, given: dict[str, Any]) -> tuple[Callable, dict[str, Any]]:
+    """Return (method, {field: value}) for what a browser has set the parameter of a method to; raises Refused."""
+    values = {name: value for name, value in given.items() if name != "n" and value is not None}
     _, needs, takes = method.order  # type: ignore[attr-defined]
     tests = needs | takes
     if not needs.keys() <= values.keys() <= tests.keys():

@@ -3,7 +3,7 @@
 A drag, from the slider to the screen:
 
 1. `steer.js` sends the newest position after the server has answered the previous one: an order "scene" with `held`.
-2. `Session.change` reads the order and hands the scene to `Pursuit.request`.
+2. `Experiment.change` reads the order and hands the scene to `Pursuit.request`.
 3. `Pursuit` starts one job. A newer request waits until the job ends; those in between are dropped.
 4. A worker continues the run on screen to the new parameters and packs its skeleton (service/following.py).
 5. `Pursuit` sends the skeleton, whose number acknowledges the order, and takes the newest request.

@@ -26,7 +26,7 @@ def told(page):
     """The state of the class that a visitor was sent last."""
     while not page.calls.empty():
         page.run_next()
-    return [message for message in page.messages if message["kind"] == "class"][-1]
+    return [message for message in page.messages if message["kind"] == "lesson"][-1]
 
 
 def test_the_first_visitor_of_a_code_leads_and_the_others_follow(visitors):

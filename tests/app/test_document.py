@@ -1,20 +1,11 @@
 """What app/document.py uses of Bokeh beyond its documentation."""
 
 from bokeh.document import Document
-from bokeh.document.events import MessageSentEvent
 from bokeh.io import curdoc
 from bokeh.models import Div
 from visitor import ended
 
 from app import document
-
-
-def test_a_message_is_an_event_of_the_document():
-    doc, sent = Document(), []
-    doc.on_change(sent.append)
-    document.send(doc, "film", {"frame": 3})
-    (event,) = sent
-    assert isinstance(event, MessageSentEvent) and event.msg_data == {"kind": "film", "frame": 3}
 
 
 def test_models_added_in_a_frozen_document_are_known_afterwards():

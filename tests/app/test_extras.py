@@ -70,13 +70,14 @@ def test_restoring_a_scene_reuses_a_known_run_and_resets_the_preset(page):
     ],
 )
 def test_invalid_orders_to_restore_and_export_are_rejected(session, given):
+    name, fields = given["do"], {field: value for field, value in given.items() if field != "do"}
     with pytest.raises(orders.Refused):
-        orders.read(given, session.orders)
+        orders.read(session.orders[name], fields)
 
 
 def test_share_dialog_has_a_qr_code_unless_the_link_is_too_long(page):
     page.order("share", link="h" * (SCANNED + 1))
-    assert page.messages.pop()["qr"] == "" and not page.session.share.code.waiting
+    assert page.messages.pop()["qr"] == "" and not page.session.sharing.code.waiting
     page.order("share", link="h" * SCANNED)
     assert page.messages.pop()["qr"] == ""  # the Python lines come at once, the code once a worker has drawn it
     page.run_next()
@@ -144,9 +145,9 @@ def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
     page.order("film", run=run, frame=k - 5)
     while not page.messages:
         page.run_next()
-    assert page.messages.pop() == {"kind": "film", "why": "no branch ends here"}
+    assert page.messages.pop() == {"kind": "slip", "why": "no branch ends here"}
     page.order("film", run=run + 1, frame=k)  # of another run than that on screen
-    assert page.messages.pop() == {"kind": "film", "why": "the run on screen has changed; try again"}
+    assert page.messages.pop() == {"kind": "slip", "why": "the run on screen has changed; try again"}
     page.order("film", run=run, frame=5000)
     while not page.messages:
         page.run_next()
@@ -177,7 +178,7 @@ def test_many_orders_for_files_leave_few_tasks_and_no_memory(session):
     left = [task for task in session.jobs.pool.tasks if not task.cancelled()]
     assert len([task for task in left if task.call[0] is worker.compute]) == 1
     assert len([task for task in left if task.call[0] is tasks.file_of_run]) == 1
-    assert len(session.jobs._shared) <= 1 and len(session.share.wanted) == 2
+    assert len(session.jobs._shared) <= 1 and len(session.sharing.wanted) == 2
 
 
 def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_lives(session, monkeypatch):

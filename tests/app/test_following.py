@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from visitor import NoPool, Page, say, slices, unpacked, whole_run
+from visitor import NoPool, Page, messages, say, slices, unpacked, whole_run
 
 from app.service import following, metrics, packing, skeletons, worker
 from app.service.jobs import Jobs
@@ -143,16 +143,14 @@ def test_a_drag_whose_prediction_waits_in_the_queue_is_acknowledged_within_a_sec
 
 
 def test_only_what_has_changed_is_sent_again(page):
-    sent, send = [], page.trigger_on_change
-    page.trigger_on_change = lambda event: sent.append(event.msg_data) or send(event)
+    sent = messages(page.session)
     say(page.session, {"do": "scene", "values": {"E": "a lot"}, "n": 5})
     (status,) = sent
     assert status.keys() == {"kind", "acknowledged", "errors"}
 
 
 def test_a_part_of_a_run_carries_its_run_state_and_count(page):
-    sent, send = [], page.trigger_on_change
-    page.trigger_on_change = lambda event: sent.append(event.msg_data) or send(event)
+    sent = messages(page.session)
     page.order("scene", phi_ratio=0.5)
     (task,) = page.pool.waiting(worker.compute)
     part = worker.compute(task.call[1], None, 0.02)

@@ -53,7 +53,7 @@ WAVY = "\n".join(["x (nm), z (nm)"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.
 
 
 def upload(page, text):
-    page.file("profile", text)
+    page.file(text)
     while page.session.scene.surface != "measured" and "profile" not in page.status()["errors"]:
         page.run_next()
 
@@ -72,11 +72,11 @@ def reading_of(session):
 
 
 def test_sliders_moved_while_a_profile_is_read_are_kept_and_a_preset_replaces_it(session):
-    send_file(session, "profile", WAVY)
+    send_file(session, WAVY)
     order(session, "scene", E="200")
     reading_of(session).set_result(tasks.measured(WAVY.encode(), tasks.Chosen()))
     assert (session.scene.surface, session.scene.width, session.scene.E) == ("measured", 600.0, 200.0)
-    send_file(session, "profile", WAVY.replace("0, ", "0,  ", 1))
+    send_file(session, WAVY.replace("0, ", "0,  ", 1))
     late = reading_of(session)
     order(session, "restore")
     assert late.cancelled() and session.scene == presets()["fig6"].scene
@@ -94,7 +94,7 @@ ASKED = {  # {what: (the file, what is then chosen)}
 def test_a_visitor_is_asked_about_a_profile_and_what_he_chooses_is_used(session, what):
     text, chosen = ASKED[what]
     sent = messages(session)
-    send_file(session, "profile", text)
+    send_file(session, text)
     task = reading_of(session)
     task.set_result(task.call[0](*task.call[1:]))
     (asked,) = [message for message in sent if message["kind"] == "trace"]
@@ -104,7 +104,7 @@ def test_a_visitor_is_asked_about_a_profile_and_what_he_chooses_is_used(session,
     assert bool(asked["why"]) == (what == "steep places")
     if what == "steep places":
         assert trace["cut_off"] <= 50.0
-    send_file(session, "profile", text, sure=True, **chosen)
+    send_file(session, text, sure=True, **chosen)
     task = reading_of(session)
     task.set_result(task.call[0](*task.call[1:]))
     assert session.scene.surface == "measured"
@@ -113,7 +113,7 @@ def test_a_visitor_is_asked_about_a_profile_and_what_he_chooses_is_used(session,
 
 def test_a_profile_that_makes_the_run_too_long_is_rejected(session):
     order(session, "scene", surface="flat", u_x_max="400", nodes="1024")
-    send_file(session, "profile", WAVY)
+    send_file(session, WAVY)
     reading_of(session).set_result(tasks.measured(WAVY.encode(), tasks.Chosen()))
     assert session.scene.surface == "flat" and "increments" in session.errors["profile"]
 

@@ -34,12 +34,17 @@ from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
 
-from app import assets, page, routes, server_log, web
+from app import assets, experiment, page, routes, server_log, web
 from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
-from app.session import session as session_module
-from app.session.orders import Wire
+
+
+def opened(doc):
+    """A document with the page of a visitor."""
+    with set_curdoc(doc):
+        experiment.serve()
+    return doc
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +52,7 @@ def address():
     """Of a server in this process, as app_hooks.py installs it."""
     before = urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado
     routes.install()
-    pages = {"/app": Application(FunctionHandler(lambda doc: None))}
+    pages = {"/app": Application(FunctionHandler(opened))}
     application = server.BokehTornado(pages, extra_patterns=get_static_routes({}))  # as `panel serve` does
     urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado = before
     socket, port = bind_unused_port()
@@ -100,22 +105,9 @@ def test_token_holds_parameters_and_a_few_names_of_other_arguments(address):
     assert payload["headers"] == payload["cookies"] == {}
 
 
-def test_model_ids_in_the_page_equal_those_on_the_server():
-    doc = Document()
-    with set_curdoc(doc):
-        page.open_page()
-    known = page.shared("/app").document
-    assert isinstance(doc.get_model_by_id("wire"), Wire) and len(doc.models) == 1 + len(page.pages.places())
-    assert all(known.count(f'"id":"{model.id}","attributes"') == 1 for model in doc.models)
-    for visitor in list(session_module.visitors):
-        visitor.close()
-
-
 def test_a_failed_document_shows_a_message(monkeypatch, caplog):
-    monkeypatch.setattr(page, "Session", lambda *_: 1 / 0)
-    doc = Document()
-    with set_curdoc(doc):
-        page.open_page()
+    monkeypatch.setattr(experiment, "Experiment", lambda *_: 1 / 0)
+    doc = opened(Document())
     assert "could not be opened" in doc.roots[0].text and "ZeroDivisionError" in caplog.text
 
 
@@ -313,7 +305,7 @@ def test_security_headers_restrict_sources_and_framing(address, monkeypatch):
         _, headers, body = get(f"{address}/app{query}", Host="contact.example:5006")
         rules = dict(rule.strip().split(" ", 1) for rule in headers["Content-Security-Policy"].split(";"))
         assert rules["default-src"] == "'none'" and rules["frame-ancestors"] == frames
-        assert rules["connect-src"] == "'self' ws://contact.example:5006 wss://contact.example:5006"
+        assert rules["connect-src"] == "'self' ws://contact.example:5006 wss://contact.example:5006 blob:"
         nonce = re.search(r"'nonce-([\w-]+)'", rules["script-src"])[1]
         assert "unsafe-inline" not in rules["script-src"]
         scripts = re.findall(rb"<script[^>]*>", body)
@@ -506,12 +498,12 @@ def test_the_page_shares_the_port_that_is_bound(monkeypatch):
 
 @pytest.mark.parametrize("host", ["localhost:5006", "127.0.0.1", "contact.example:443"])
 def test_the_policy_names_the_host_of_the_websocket(host):
-    assert f"connect-src 'self' ws://{host} wss://{host};" in web.policy(host, "n", "'self'")
+    assert f"connect-src 'self' ws://{host} wss://{host} blob:;" in web.policy(host, "n", "'self'")
 
 
 def test_the_policy_leaves_out_an_ipv6_address_which_no_policy_can_name():
     """Browsers report it as invalid; 'self' covers the websocket there."""
-    assert "connect-src 'self';" in web.policy("[::1]:5006", "n", "'self'")
+    assert "connect-src 'self' blob:;" in web.policy("[::1]:5006", "n", "'self'")
 
 
 def test_reach_names_no_origin_that_only_this_computer_opens(monkeypatch):

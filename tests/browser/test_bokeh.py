@@ -42,7 +42,7 @@ def test_only_orders_are_sent_to_the_server_not_local_changes_of_figures(still):
         }"""
     )
     layout = {"inner_width", "inner_height", "outer_width", "outer_height"}  # which Bokeh tells by itself
-    assert set(sent) - layout == {"order"}
+    assert set(sent) - layout == {"skip"}
 
 
 def test_parts_of_a_figure_are_found_by_name_and_can_be_coloured(still):
@@ -86,7 +86,7 @@ def test_line_width_is_multiplied_from_its_original_value(still):
     widths = still.evaluate(
         """() => [2, 3, 1].map((times) => {
             bokeh.thicken(parts.law_shear_law.law, times)
-            return bokeh.plain(parts.law_shear_law.law.glyph.line_width)
+            return parts.law_shear_law.law.glyph.line_width
         })"""
     )
     once = [width["value"] if isinstance(width, dict) else width for width in widths]

@@ -67,8 +67,9 @@ def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
         """async () => {
             const { connect, take } = await import("http://scripts/js/channel.js")
             const passedOn = [], unpacking = [Promise.withResolvers(), Promise.withResolvers()]
-            let send = null
-            connect({ document: { on_message: (kind, call) => { send = call } } })
+            const told = {}, stage = { on: (kind, call) => { told[kind] = call } }
+            connect(stage)
+            const send = ({ kind, ...message }) => { stage[kind] = message; told[kind]() }
             take("status", ({ text }) => passedOn.push(text))
             take("run", (message) => passedOn.push(message), ({ number }) => unpacking[number].promise)
             send({ kind: "status", text: "first" })
@@ -94,8 +95,9 @@ def test_a_message_that_is_never_unpacked_does_not_hold_back_those_after_it(tab)
             window.setTimeout = (call, ms) => later(call, ms > 5000 ? 1 : ms) // the time is over at once
             window.addEventListener("error", (event) => event.preventDefault(), { once: true })
             const { connect, take } = await import("http://scripts/js/channel.js")
-            let send = null
-            connect({ document: { on_message: (kind, call) => { send = call } } })
+            const told = {}, stage = { on: (kind, call) => { told[kind] = call } }
+            connect(stage)
+            const send = ({ kind, ...message }) => { stage[kind] = message; told[kind]() }
             take("status", ({ text }) => passedOn.push(text))
             take("run", () => passedOn.push("run"), () => new Promise(() => {}))
             send({ kind: "run" })

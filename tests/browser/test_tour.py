@@ -72,13 +72,14 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
     page = look("?more=0")
     page.evaluate(
         """() => {
-            const wire = [...Bokeh.documents[0]._all_models.values()].find((model) => model.name === 'wire')
-            window.watching ??= wire.properties.order.change.connect(() => ordered.push(wire.order.do))
+            const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Stage').data
+            const watch = (name) => stage.properties[name].change.connect(() => ordered.push(name))
+            window.watching ??= ["scene", "restore"].map(watch)
             window.ordered = []
         }"""
     )
     asked(opened(page, stop))
-    assert [what for what in page.evaluate("ordered") if what in ("scene", "restore")] == ["restore"]
+    assert page.evaluate("ordered") == ["restore"]
 
 
 @pytest.mark.thorough

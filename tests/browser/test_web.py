@@ -93,7 +93,7 @@ def test_page_names_a_script_that_failed_before_the_connection(server, browser):
     page = patient(browser.new_page())
     page.clock.install()
     page.route("**/js/main.js*", lambda route: route.abort())
-    with page.expect_event("pageerror"):
+    with page.expect_event("requestfailed"):
         page.goto(server.address)
     page.clock.run_for(11_000)
     page.get_by_role("alert").filter(has_text="a script of the page failed").wait_for()

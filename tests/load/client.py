@@ -21,11 +21,11 @@ from bokeh.protocol.receiver import Receiver
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
-from app.session.message_filter import decoded
-
 ROOT = Path(__file__).parent.parent.parent
 PATIENCE = 60  # s; a limit against hanging
 ENDS = ("finished", "failed")
+READY = {"type": "event", "name": "document_ready", "values": {"type": "map"}}
+READY = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": READY}
 
 
 class Tab:
@@ -44,6 +44,7 @@ class Tab:
         await self.send("PULL-DOC-REQ", {})
         reply = await self.message("PULL-DOC-REPLY")
         self.wire = wire_of(reply.content["doc"])
+        await self.send("PATCH-DOC", {"events": [READY]})
 
     async def connect(self, query=""):
         """Load the page and connect, without a word."""
@@ -73,10 +74,9 @@ class Tab:
                 return message
 
     def patch(self, order):
-        """The content of a message that gives an order, {name: value}."""
-        new = Serializer().encode(order)
-        event = {"kind": "ModelChanged", "model": {"id": self.wire}, "attr": "order", "new": new}
-        return {"events": [event]}
+        """The content of a message that gives an order, {"do": parameter of the Stage, name: value}."""
+        new = Serializer().encode({name: value for name, value in order.items() if name != "do"})
+        return {"events": [{"kind": "ModelChanged", "model": {"id": self.wire}, "attr": order["do"], "new": new}]}
 
     async def order(self, what, **values):
         """Ask for something, and wait until its run has ended: seconds to the first frames and to the last, status."""
@@ -120,9 +120,7 @@ class Tab:
         """What comes next of "run", "skeleton" and "status", of these what answers the last order."""
         while True:
             message = await self.message("PATCH-DOC")
-            for event in message.content["events"]:
-                news = decoded(event["msg_data"], ("",)) if event["kind"] == "MessageSent" else {}
-                what = news.get("kind")
+            for what, news in told(message):
                 if what == "status":
                     self.status |= news
                 if what in ("run", "skeleton") or (what == "status" and self.status["acknowledged"] == self.orders):
@@ -132,14 +130,27 @@ class Tab:
         self.socket.close()
 
 
-def wire_of(content):
-    """The id of the Wire model in a serialized document."""
-    if isinstance(content, dict):
-        if str(content.get("name", "")).endswith("Wire") and "id" in content:
-            return content["id"]
-        content = list(content.values())
-    found = map(wire_of, content) if isinstance(content, list) else ()
-    return next(filter(None, found), None)
+def wire_of(document):
+    """The id of the Stage's parameters in a serialized document; None of a document without a Stage."""
+    roots = (root["attributes"] for root in document["roots"])
+    return next((root["data"]["id"] for root in roots if root.get("name") == "Stage"), None)
+
+
+def told(message):
+    """[(parameter of the Stage, what it was set to)] of a message of the server."""
+    changes = [event for event in message.content["events"] if event["kind"] == "ModelChanged"]
+    return [(change["attr"], decoded(change["new"])) for change in changes]
+
+
+def decoded(value):
+    """A value as Bokeh writes it; what is bytes is left out."""
+    if isinstance(value, list):
+        return [decoded(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if value["type"] == "map":
+        return {name: decoded(each) for name, each in value.get("entries", ())}
+    return float(value["value"]) if value["type"] == "number" else None
 
 
 class Server:

@@ -28,11 +28,11 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from client import Server, Tab, summary, tell
 
 from app.environment import VISITORS
+from app.experiment import Experiment
 from app.session import classes, orders
 from app.session.extras import Film, Layer
 from app.session.measured import MeasuredCurve
 from app.session.pursuit import Pursuit
-from app.session.session import Session
 from app.session.share import Share
 
 LONGEST = 60.0  # s of an attack: the server lets its messages wait
@@ -47,7 +47,6 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.is_flag: [True, False],
     orders.are_entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
     orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
-    orders.FILES.__contains__: list(orders.FILES),
     orders.FORMATS.__contains__: list(orders.FORMATS),
     classes.PHASES.__contains__: list(classes.PHASES),
     classes.ASKED.__contains__: list(classes.ASKED),
@@ -55,7 +54,7 @@ FITTING = {  # by the test of a field: values of which some pass
 }
 
 
-PARTS = Session, Pursuit, Share, Film, Layer, MeasuredCurve, classes.Attendance
+PARTS = Experiment, Pursuit, Share, Film, Layer, MeasuredCurve, classes.Attendance
 ORDERS = {name: getattr(part, method).order for part in PARTS for name, method in orders.declared(part).items()}
 
 
@@ -94,10 +93,10 @@ def event(tab, dice):
     div = {"type": "object", "name": "Div", "id": "x1", "attributes": {"text": "x" * 5000}}
     return dice.choice(
         [
-            {"kind": "ModelChanged", "model": wire, "attr": "order", "new": {"type": "bytes", "data": BOMB}},
+            {"kind": "ModelChanged", "model": wire, "attr": "profile", "new": {"type": "bytes", "data": BOMB}},
             {"kind": "ModelChanged", "model": wire, "attr": "name", "new": "mine"},
-            {"kind": "ModelChanged", "model": wire, "attr": "order", "new": dice.choice(ODD)},
-            {"kind": "ModelChanged", "model": wire, "attr": "order", "new": {"type": "map", "entries": [[[], {}]]}},
+            {"kind": "ModelChanged", "model": wire, "attr": "scene", "new": dice.choice(ODD)},
+            {"kind": "ModelChanged", "model": wire, "attr": "vote", "new": {"type": "map", "entries": [[[], {}]]}},
             {"kind": "ModelChanged", "model": {"id": "p1001"}, "attr": "title", "new": "mine"},
             {"kind": "RootAdded", "model": div},
             {"kind": "RootAdded", "model": {"type": "object", "name": "os.system", "id": "x2"}},

@@ -10,9 +10,7 @@ import argparse
 import asyncio
 import time
 
-from client import Server, Tab, summary, tell
-
-from app.session.message_filter import decoded
+from client import Server, Tab, summary, tell, told
 
 FORGED = {"do": "lead", "stop": 9, "phase": "run"}
 VOTES = 1000  # of the hostile student
@@ -36,9 +34,8 @@ class Pupil(Tab):
                 message = await self.message("PATCH-DOC")
             except ConnectionError:  # it has left
                 return
-            for event in message.content["events"]:
-                news = decoded(event["msg_data"], ("",)) if event["kind"] == "MessageSent" else {}
-                if news.get("kind") == "class":
+            for what, news in told(message):
+                if what == "lesson":
                     self.lesson = news
                     async with self.changed:
                         self.changed.notify_all()

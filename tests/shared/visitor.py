@@ -6,13 +6,13 @@ import time
 from math import inf
 
 import numpy as np
-from bokeh.document.events import MessageSentEvent
 
+from app.experiment import Experiment
 from app.pages import Pages
 from app.service import packing, worker
 from app.service.jobs import Jobs
 from app.service.pool import Task
-from app.session.session import Session
+from app.stage import Stage
 from solver import Scene
 
 SHORT = Scene(u_x_max=6.0)
@@ -24,15 +24,15 @@ class Page:
 
     def __init__(self, pool, scene=SHORT, arguments=None, jobs=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Session(self, Pages, arguments, jobs or Jobs(pool))
+        self.session = Experiment(self, Pages, arguments, jobs or Jobs(pool))
         self.session.scene = scene
         self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
         self._change_callbacks = {}  # a document that was destroyed has none
+        hear(self.session, self._keep)
 
-    def trigger_on_change(self, event):
+    def _keep(self, new):
         """Keep a message: frames of the run on screen or of a film, by their number; or another one."""
-        new = event.msg_data
-        numbers = {"run": new.get("run"), "film": ("film", new.get("frame"))}
+        numbers = {"run": new.get("run"), "slip": ("film", new.get("frame"))}
         if new["kind"] in numbers and "body" in new:
             self.chunks.append((numbers[new["kind"]], *unpacked(new["body"])))
         elif new["kind"] != "status":
@@ -47,8 +47,8 @@ class Page:
     def order(self, what, **values):
         order(self.session, what, n=time.monotonic(), **values)
 
-    def file(self, entry, text, **chosen):
-        send_file(self.session, entry, text, **chosen)
+    def file(self, text, **chosen):
+        send_file(self.session, text, **chosen)
 
     def status(self):
         return self.session.status
@@ -136,18 +136,30 @@ class NoPool:
 def messages(session):
     """The messages that a session sends from now on, as a list that grows."""
     sent = []
-    session.doc.on_change(lambda event: isinstance(event, MessageSentEvent) and sent.append(event.msg_data))
+    hear(session, sent.append)
     return sent
 
 
+def hear(session, call):
+    """Call `call` with every message {"kind": parameter of the Stage, ...} that a session sends from now on."""
+
+    def told(*events):
+        for event in events:
+            call({"kind": event.name} | {name: value for name, value in event.new.items() if name != "sent"})
+
+    own = [name for name, parameter in Stage.param.objects().items() if parameter.owner is Stage and name != "name"]
+    session.stage.param.watch(told, [name for name in own if name not in session.orders])
+
+
 def say(session, order):
-    """Give an order, {name: value} or the same in JSON, as the message filter does."""
-    session.obey(json.loads(order) if isinstance(order, str) else order)
+    """Give an order, {"do": parameter of the Stage, field: value} or the same in JSON."""
+    given = json.loads(order) if isinstance(order, str) else dict(order)
+    session.obey(given.pop("do"), given)
 
 
-def send_file(session, entry, text, **chosen):
+def send_file(session, text, **chosen):
     """Give an order that brings a file with this text, and what is chosen of it."""
-    order(session, "file", entry=entry, content=text.encode(), **chosen)
+    order(session, "profile", content=text.encode(), **chosen)
 
 
 def order(session, what, /, n=1, **values):

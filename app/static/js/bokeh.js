@@ -4,7 +4,6 @@
 const here = { sync: false }
 let index = null // of the views of all models
 
-export const plain = (value) => (value instanceof Map ? Object.fromEntries(value) : value)
 export const useIndex = (given) => { index = given }
 const known = new WeakMap() // model: its view, as Bokeh looks through all of them each time
 export function viewOf(model) {
@@ -38,7 +37,6 @@ export function release(document) {
   for (const [type, call] of listeners.splice(0)) visualViewport.removeEventListener(type, call)
   document.freeze_all_models(() => {})
 }
-export const onMessage = (model, call) => model.document.on_message("message", call)
 export const onEvent = (model, name, call) => model.on_event(name, call)
 
 // {label: renderer, band or line} of a figure: what has a name "figure.label"

@@ -1,23 +1,27 @@
-// Orders to the server (app/session/orders.py), and messages from it, {kind, ...}.
+// Orders to the server, and messages from it: the parameters of the Stage (app/stage.py).
 
-import { onMessage } from "./bokeh.js"
 import { by, on } from "./dom.js"
 import { me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LATE = 20_000 // ms
 const LARGEST = 2e6 // bytes of a file, as the server
-let wire = null
+let stage = null // the Stage, once it is there
+const early = [] // orders given before
 let orders = 0
 
+export function connect(model) {
+  stage = model
+  for (const kind in takers) listen(kind)
+  for (const [what, fields] of early.splice(0)) stage[what] = fields
+}
+
 // Messages go to what takes their kind, in the order in which they came
-export function connect(given) {
-  wire = given
-  onMessage(wire, (message) => {
-    const [call, unpack] = takers[message.kind] ?? []
-    if (!call) return
+function listen(kind) {
+  stage.on(kind, () => {
+    const message = stage[kind], [call, unpack] = takers[kind]
     const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
-    const unpacked = unpack ? Promise.race([unpack(message), late(message.kind)]) : message
+    const unpacked = unpack ? Promise.race([unpack(message), late(kind)]) : message
     before = Promise.allSettled([unpacked, before]).then(pass).catch(reportError)
   })
 }
@@ -28,14 +32,19 @@ const late = (kind) => new Promise((_, fail) => setTimeout(() => fail(new Error(
 const takers = {} // {kind: [call, unpack]}
 let before = Promise.resolve() // done once all messages until now are passed on, also where these take long or fail
 // Call `call` with every message of a kind; unpack: makes a promise of what is in it, where that takes time
-export const take = (kind, call, unpack) => { takers[kind] = [call, unpack] }
+export function take(kind, call, unpack) {
+  takers[kind] = [call, unpack]
+  if (stage) listen(kind)
+}
 export const silence = () => (me.waiting.length ? performance.now() - me.waiting[0].at : 0) // ms
 
 // Give an order with its fields
 export function order(what, fields = {}) {
   const n = orders++
   if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values, at: performance.now() }]
-  if (!me.lost) wire.order = { do: what, n, ...fields }
+  if (me.lost) return
+  if (stage) stage[what] = { n, ...fields }
+  else early.push([what, { n, ...fields }])
 }
 
 let answered = -1 // number of the newest order that the server has answered

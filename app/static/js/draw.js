@@ -41,7 +41,10 @@ function draw() {
     drawStage(run, k, time)
   }
   if (isPlayed() && time < cost.ended + REST * cost.of && me.picture?.run === run) return
-  if (!increment(run, k, run.whole, me.ghost, me.pins, me.playing, me.dragging || run.few, me.look)) return
+  if (!increment(run, k, run.whole, me.ghost, me.pins, me.playing, me.dragging || run.few, me.look)) {
+    if (run.few && !me.dragging) tellNow(run, k) // the hand rests: the sentence is that of this picture
+    return
+  }
   drawIncrement(run, k)
   by("scrub").value = k
 }

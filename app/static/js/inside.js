@@ -22,7 +22,7 @@ const keep = (map, key, value) => {
 let asked = "", since = 0
 
 export function connectInside() {
-  take("layer", (message) => {
+  take("table", (message) => {
     const table = tableOf(message)
     keep(tables, keyOf(table.geometry, table.asked), table)
     asked = ""

@@ -1,7 +1,7 @@
-// The browser's half of the app. The server's page imports this file alone and calls `start` with the models.
+// The browser's half of the app. The page imports this file alone and calls `start`.
 
 import * as address from "./address.js"
-import { plain, useIndex } from "./bokeh.js"
+import { useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import { charts, makeCharts, shareAxis } from "./charts.js"
 import { readAgain } from "./colours.js"
@@ -24,15 +24,12 @@ import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
 import { alone, declared, embedded, me, redraw, view } from "./store.js"
 
-// wire: the Wire of this visitor; slots: {name: Column} for the figures of pages; declarations: JSON of looks {preset:
-// text}, usual {preset: values}, nodes {state: how it is drawn}, positions {slider: values} and reach (of
-// server_log.py); index: Bokeh's index of views
-export function start({ wire, slots, declarations, index }) {
-  Object.assign(declared, JSON.parse(declarations))
-  useIndex(index)
+// What the server declares: looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
+// {slider: values} and reach (of server_log.py)
+export function start() {
+  Object.assign(declared, JSON.parse(by("declarations").textContent))
   makeCharts(declared.nodes)
   connectCurves()
-  channel.connect(wire)
   address.connect()
   inputs.connect()
   connectLens()
@@ -49,22 +46,21 @@ export function start({ wire, slots, declarations, index }) {
   status.connect()
   player.connect()
   draw.connect()
-  pages.connect(plain(slots)) // their figures are painted with the same picture
+  pages.connect() // their figures are painted with the same picture
   connectSlips()
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)
-  channel.take("page", pages.receive, pages.read)
+  channel.take("beside", pages.receive, pages.read)
   player.connectStored()
   const resized = new ResizeObserver(redraw) // what rests is drawn anew, in the size of the text there
   for (const name in charts) resized.observe(charts[name].view)
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
-  if (!alone) connection.connect()
-  opened()
-  channel.order("hello")
-  if (!embedded && !alone) pages.openAsked()
+  document.addEventListener("stage", ({ detail }) => connect(detail))
+  if (alone) opened()
+  else if (!embedded) pages.openAsked()
   let kept = false // Share opens without the server, too, so that it comes while that is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return
@@ -77,4 +73,17 @@ export function start({ wire, slots, declarations, index }) {
   if (lost) import("./later/overlay.js").then(({ askAgain }) => askAgain(lost))
   if (asked.has("check")) import("./later/check.js").then(({ check }) => check())
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
+}
+
+// The Stage (app/stage.py) is there: the websocket is open. Panel may render it again, which ends its watchers
+let there = false
+function connect(model) {
+  channel.connect(model)
+  if (there) return
+  there = true
+  useIndex(globalThis.Bokeh.index)
+  pages.place(model.document)
+  connection.connect()
+  opened()
+  channel.order("hello")
 }

@@ -5,7 +5,8 @@ import { by, on } from "./dom.js"
 const PATIENCE = 10_000 // ms until the visitor reads why there is nothing yet
 
 const faults = [] // of scripts, and of files that a script needs
-const note = (event) => faults.push(event.reason?.message ?? event.message ?? event.target.src ?? event.target.href)
+const note = ({ reason, message, target }) =>
+  faults.push(reason?.message ?? message ?? (target.src || target.href || "main.js"))
 addEventListener("error", note, true)
 addEventListener("unhandledrejection", note)
 

@@ -12,13 +12,12 @@ import { declared, me, redraw, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
-let slots = {} // figure: where it goes
+const slots = {} // figure: where it goes
 let sheet = { open: "", figures: [] } // the last message of the server on the open page
 let picking = 0
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
-export function connect(given) {
-  slots = given
+export function connect() {
   for (const button of document.querySelectorAll(".sheet .close")) button.addEventListener("click", closePage)
   for (const button of document.querySelectorAll(".sheet [data-ask]")) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
@@ -28,6 +27,11 @@ export function connect(given) {
   view(["look"], shadeImages)
   view(["picture"], () => framePage("frame"))
   charts.punch.fill("page", { draw: (...punch) => framePage("over", ...punch) })
+}
+
+// Where figures go, in a document
+export function place(document) {
+  for (const root of document.roots()) if (root.name !== "Stage") slots[root.name] = root
 }
 
 // A research page opens with the scene on screen

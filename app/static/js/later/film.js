@@ -152,6 +152,6 @@ function leave() {
   redraw()
 }
 
-take("film", receive, (message) => (message.why ? message : unpackLater(message)))
+take("slip", receive, (message) => (message.why ? message : unpackLater(message)))
 frame(["picture"], followFilm)
 view(["run", "at"], look)

@@ -76,5 +76,5 @@ function tell() {
 function connect() {
   by("pins").after(make("section", { id: "lesson", className: "pins", "aria-label": "Class", hidden: true },
     make("b"), make("span"), make("span", { role: "status" })))
-  take("class", receive)
+  take("lesson", receive)
 }

@@ -221,7 +221,7 @@ function connect() {
       make("figcaption", {}, make("b", {}, "Contact area over force")),
       make("div", { className: "view", data: { view: "relation" } },
         make("canvas", { className: "chart", "aria-hidden": "true" })))))
-  take("curve", receive)
+  take("measured", receive)
   frame(["charted", "run", "laid", "approach", "look"], draw)
   view(["status"], () => { if (me.laid) describe() })
   view(["lost"], () => { if (me.lost && me.laid) keepForTab(KEPT, me.laid.name) })

@@ -17,7 +17,7 @@ export function read(given) {
   send({})
 }
 
-const send = (chosen) => order("file", { entry: "profile", content, ...chosen })
+const send = (chosen) => order("profile", { content, ...chosen })
 
 const unit = () => (trace.named ? 1 : UNITS[document.querySelector("#trace-units :checked").value])
 const place = (id) => (by(id).value / 1000) * trace.length * unit() // nm

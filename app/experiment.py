@@ -1,12 +1,23 @@
-"""The session of a visitor: runs the orders of the browser, and publishes the status of the run."""
+"""The experiment of a visitor: runs what the browser asks for, and publishes the status of the run.
+
+A Stage has all that server and browser tell each other. Each parameter that a browser sets goes to the method declared
+for it by `@order`.
+"""
 
 import logging
 from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import count
 from typing import Any
 
+import panel as pn
+import param
 from bokeh.document import Document
+from bokeh.models import CustomJS, Div
 
-from app import document
+from app import document, page
+from app.on_loop import on_loop
+from app.pages import Pages, places
 from app.service import metrics, tasks
 from app.service.jobs import Jobs
 from app.service.jobs import jobs as shared_jobs
@@ -16,35 +27,45 @@ from app.session import controls, orders
 from app.session.classes import Attendance
 from app.session.extras import Film, Layer, Marks
 from app.session.measured import MeasuredCurve
-from app.session.orders import Wire, order, orders_of
+from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
 from app.session.share import Share
+from app.stage import Stage
 from solver import Scene, SceneError
 
 log = logging.getLogger("app")
-visitors = set()  # sessions of this process; Panel's own count is late
+visitors = set()  # of this process; Panel's own count is late
 
 
-class Session:
-    """The session of one visitor. Every method runs under the lock of the visitor's document."""
+class Experiment(param.Parameterized):
+    """What one visitor sees and changes. Every method runs under the lock of the visitor's document."""
+
+    scene: Any = param.ClassSelector(class_=Scene, doc="as the controls have it")
+    preset = param.String(doc="name of the preset that the scene began with")
+    notes = param.List(item_type=str, doc="on how an address, an entry or a file was read")
+    errors = param.Dict({}, doc="{parameter: why its entry was refused}")
 
     def __init__(
         self, doc: Document, pages: Callable[[Any], Any], arguments: Any = None, jobs: Jobs = shared_jobs
     ) -> None:
-        """pages(session) makes the pages beside the experiment."""
-        self.doc, self.jobs = doc, jobs
-        self.wire = Wire()
-        self.scene, self.preset, self.notes = controls.scene_from_address(arguments or {})
-        self.errors, self.closed = {}, False
-        self.pursuit = Pursuit(self)
-        self.pages = pages(self)
-        self.share, self.film, self.layer = Share(self), Film(self), Layer(self)
-        self.marks, self.curve, self.attendance = Marks(self), MeasuredCurve(self), Attendance(self)
+        """pages(experiment) makes the pages beside the experiment."""
+        scene, preset, notes = controls.scene_from_address(arguments or {})
+        super().__init__(scene=scene, preset=preset, notes=notes)
+        self.doc, self.jobs, self.closed = doc, jobs, False
+        self.stage = Stage()
+        self.own = "", ""  # ids of the Stage's models in the document
+        self.sent = count(1)  # numbers messages, as a parameter that is set to what it is sends nothing
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
+        self.pursuit = Pursuit(self)
+        self.pages = pages(self)
+        self.sharing, self.film, self.layer = Share(self), Film(self), Layer(self)
+        self.marks, self.curve, self.attendance = Marks(self), MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
-        self.orders = orders_of(self, self.pursuit, self.share, self.film, self.layer, self.curve, self.attendance)
+        parts = self, self.pursuit, self.sharing, self.film, self.layer, self.curve, self.attendance
+        self.orders = orders_of(*parts)
+        self.stage.param.watch(self._heed, [*self.orders])
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
@@ -58,15 +79,20 @@ class Session:
             self.attendance.leave()
             self.curve.forget()
             beside = self.film, self.layer, self.marks
-            for part in (self.reading, self.share, self.share.code, *beside):
+            for part in (self.reading, self.sharing, self.sharing.code, *beside):
                 part.cancel()
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.jobs.pool.in_flight)
 
     def send(self, kind: str, **content: Any) -> None:
-        """Send a message to the browser, whose values are those of JSON, or bytes."""
+        """Set a parameter of the Stage to a dictionary, whose values are those of JSON, or bytes."""
         if not self.closed:
-            document.send(self.doc, kind, content)
+            self.stage.param.update({kind: content | {"sent": next(self.sent)}})
+
+    def may_change(self, model: str, attribute: str) -> bool:
+        """Whether the browser may set an attribute of the model with this id: of the Stage only what has an order."""
+        root, data = self.own
+        return model != root and (model != data or attribute in self.orders)
 
     def later(self, call: Callable[[], object]) -> None:
         """Make a call under the lock of the document, unless the visitor has left; any thread may call this."""
@@ -75,8 +101,17 @@ class Session:
 
     # orders from the browser
 
-    def obey(self, given: Any) -> None:
-        """Run an order of the browser, {name: value}. Every order is acknowledged, even a rejected one.
+    def _heed(self, *events: param.parameterized.Event) -> None:
+        """Obey what the browser has set, under the lock of the document, and not before it is loaded.
+
+        Before, Panel drops what the server sets. Several may come in one call, in any order: their numbers tell.
+        """
+        given = [event for event in events if event.new]
+        for event in sorted(given, key=lambda event: n if orders.is_number(n := event.new.get("n")) else 0):
+            pn.state.onload(on_loop(self.later, partial(self.obey, event.name, event.new)))
+
+    def obey(self, name: str, given: Any) -> None:
+        """Run an order {"n": number, field: value} of the browser. Each is acknowledged, even a rejected one.
 
         A picture acknowledges its own order. Until then the browser sends no newer position of the slider.
         """
@@ -84,7 +119,9 @@ class Session:
         if orders.is_number(given.get("n")):
             self.acknowledged = given["n"]
         try:
-            method, values = orders.read(given, self.orders)
+            method, values = orders.read(self.orders[name], given)
+            if "content" in given:
+                self.stage.param.update({name: {}})  # nothing keeps a file
             method(**values)
             pictured = bool(values.get("held")) and self.pursuit.state == "following"
         except orders.Refused as refused:
@@ -115,14 +152,13 @@ class Session:
             self.pursuit.request(Request(scene, held, self.acknowledged))
 
     @order(
-        "file",
-        entry=orders.FILES.__contains__,
+        "profile",
         content=orders.is_content,
         unit=orders.is_text,
         sure=orders.is_flag,
         **dict.fromkeys(("begin", "end", "cut_off"), orders.is_number),
     )
-    def read_file(self, entry: str, content: bytes, **chosen: Any) -> None:
+    def read_file(self, content: bytes, **chosen: Any) -> None:
         """Read the file of a profile, whose surface is then on screen; or draw it with a question.
 
         chosen: what a visitor has chosen of it, see `tasks.Chosen`.
@@ -202,3 +238,34 @@ class Session:
         if news:
             self.status = status
             self.send("status", **news)
+
+
+def serve() -> None:
+    """Add a visitor's Stage to the current document."""
+    doc = pn.state.curdoc
+    try:
+        experiment = Experiment(doc, Pages, pn.state.session_args)
+        doc.on_session_destroyed(lambda session_context: experiment.close())
+        add_to(doc, experiment.stage, experiment.pages.slots)
+        experiment.own = doc.roots[0].id, doc.roots[0].data.id
+    except Exception:  # otherwise the visitor would wait forever
+        log.exception("the page could not be built")
+        doc.clear()
+        doc.add_root(Div(text="The experiment could not be opened. See the server's log, then reload the page."))
+
+
+def add_to(doc: Document, stage: Stage, slots: dict[str, Any]) -> None:
+    """Add a Stage, and the slots of pages, to a document."""
+    pn.extension(browser_info=False)
+    stage.server_doc(doc, title=page.TITLE, location=False)
+    doc.roots[0].stylesheets = []  # of Panel: the component itself shows nothing
+    for name, model in slots.items():
+        model.name = name
+        doc.add_root(model)
+    doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
+    doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
+
+
+def example(doc: Document) -> None:
+    """Add what a visitor's document has to another one."""
+    add_to(doc, Stage(), places())

@@ -1,0 +1,92 @@
+"""A computed run on the page of the app, in one HTML file that plays without a server and without a network.
+
+Scripts are in the file as an import map of data addresses: browsers import no scripts beside a local file.
+"""
+
+import base64
+import html
+import json
+import re
+from typing import Any
+
+from jinja2 import Environment
+
+from app import assets, page
+from app.service import packing, worker
+from app.session.controls import NAMES
+from solver import Scene
+from solver.scene import LIMITS, PARAMETERS
+
+BASE = """<!DOCTYPE html>
+<html lang="en" data-embed data-alone>
+<head><meta charset="utf-8"><title>{{ title }}</title>
+<script type="importmap">{{ imports }}</script>
+<style>{{ style }}</style>
+{% block postamble %}{% endblock %}
+<link id="stored" href="{{ run }}">
+</head>
+<body>{% block contents %}{% endblock %}</body></html>
+"""
+MAIN = "static/js/main.js"  # as the import map names it
+FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 0; max-width: 100%"></iframe>'
+
+
+def page_of(result: Any, title: str = page.TITLE) -> str:
+    """Return the file of a Result as text, with its failure and cautions; raises ValueError for one without frames."""
+    scene, frames = result.scene, list(result.frames)
+    if not frames:
+        raise ValueError("result has no frames; allowed: at least one; compute a longer run")
+    (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
+    alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(result.notes)}}
+    values = page.values("") | {
+        "title": html.escape(title),
+        "imports": json.dumps({"imports": _scripts()}),
+        "style": "\n".join(path.read_text(encoding="utf-8") for path in sorted(assets.STATIC.glob("*.css"))),
+        "styles": [],
+        "scripts": [],
+        "main": MAIN,
+        "values": dict.fromkeys(NAMES, ""),  # of sliders, which the file does not show
+        "places": dict.fromkeys(NAMES, 0),
+        "run": _address("application/octet-stream", block),
+        "declarations": page.declarations("") | alone,
+    }
+    jinja = Environment(trim_blocks=True, lstrip_blocks=True)
+    jinja.globals["base"] = jinja.from_string(BASE)
+    jinja.globals["macros"] = jinja.from_string("{% macro embed(root) %}{% endmacro %}")
+    text = jinja.from_string("{% extends base %}\n" + page.template("")).render(values)
+    return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
+
+
+def framed(text: str, title: str = page.TITLE) -> str:
+    """Return such a file in a frame, as a notebook shows it."""
+    return FRAME.format(html.escape(title), html.escape(text))
+
+
+def _address(kind, content):
+    """Return bytes as a data address."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _scripts():
+    """Return {name: data address} of all scripts that the page needs at once. Their imports are by these names."""
+    made = {}
+    for path in assets.needed(assets.HERE / MAIN):
+        named = lambda match, path=path: f'"{assets.named((path.parent / match[1]).resolve())}"'  # noqa: E731
+        text = re.sub(
+            r'(?<=from )"(\.[^"]+)"|(?<=^import )"(\.[^"]+)"', named, path.read_text(encoding="utf-8"), flags=re.M
+        )
+        made[assets.named(path)] = _address("text/javascript", text.encode())
+    return made
+
+
+def _words(scene):
+    """Return the parameters of a Scene that are not the usual ones, in words."""
+    usual, given = vars(Scene()), vars(scene)
+    names = [name for name in PARAMETERS if str(given[name]) != str(usual[name])]
+    return ", ".join(f"{name} = {_value(name, given[name])}" for name in names) or "the default scene"
+
+
+def _value(name, value):
+    """Return the value of a parameter with its unit."""
+    number = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{number} {LIMITS[name].unit}".rstrip() if name in LIMITS else number

@@ -1,0 +1,18 @@
+"""The parameters of the Stage as Panel passes them on."""
+
+from visitor import messages
+
+
+def test_changes_that_panel_passes_on_together_are_obeyed_in_the_order_of_their_numbers(session, monkeypatch):
+    """A page was asked for something before it was open."""
+    obeyed = []
+    monkeypatch.setattr(session, "obey", lambda name, given: obeyed.append(name))
+    session.stage.param.update(ask={"n": 5, "what": "sweep"}, page={"n": 4, "page": "load"}, skip={"n": "x"})
+    assert obeyed == ["skip", "page", "ask"]
+
+
+def test_two_equal_messages_are_both_sent(session):
+    sent = messages(session)
+    for _ in range(2):
+        session.send("file", ending="npz", why="", body=b"1")
+    assert len(sent) == 2
