@@ -20,6 +20,13 @@ def test_stress_per_fringe_changes_only_when_the_user_chooses_it(visit):
     page.wait_for_function(f"{KEY} === '1.5 GPa'")
 
 
+def test_a_page_that_opens_with_a_stored_run_gets_the_table_of_its_layer(visit):
+    """It was asked for before the first run was, and the server knew of none."""
+    page = visit()
+    finished(page)
+    page.wait_for_function("Boolean(Bokeh.documents[0].roots()[0].data.table.body)")
+
+
 WHOLE = """() => {
     const key = document.querySelector(".hero .key"), [of, around] = [document.querySelector(".of-fringe"), key]
         .map((element) => element.getBoundingClientRect())

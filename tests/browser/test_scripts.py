@@ -62,6 +62,22 @@ def run_of(tab, scene):
     return frames
 
 
+def test_what_is_ordered_before_the_stage_is_there_follows_the_order_that_starts_the_run(tab):
+    """The first test here, as the module of all others has a Stage."""
+    given = tab.evaluate(
+        """async () => {
+            const { connect, order } = await import("http://scripts/js/channel.js")
+            const given = [], stage = new Proxy({ on() {} }, { set: (_, what, { n }) => given.push([what, n]) })
+            order("layer", { rows: 1 })
+            connect(stage)
+            connect(stage) // Panel renders it again
+            order("skip")
+            return given
+        }"""
+    )
+    assert given == [["hello", 0], ["layer", 1], ["skip", 2]]
+
+
 def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     passed_on = tab.evaluate(
         """async () => {

@@ -10,9 +10,13 @@ let stage = null // the Stage, once it is there
 const early = [] // orders given before
 let orders = 0
 
+// The Stage is there, or rendered again. The first order starts the run: what was given before is about one
 export function connect(model) {
+  const first = !stage
   stage = model
   for (const kind in takers) listen(kind)
+  if (!first) return
+  order("hello")
   for (const [what, fields] of early.splice(0)) stage[what] = fields
 }
 
@@ -40,7 +44,7 @@ export const silence = () => (me.waiting.length ? performance.now() - me.waiting
 
 // Give an order with its fields
 export function order(what, fields = {}) {
-  const n = orders++
+  const n = what === "hello" ? 0 : ++orders
   if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values, at: performance.now() }]
   if (me.lost) return
   if (stage) stage[what] = { n, ...fields }

@@ -85,5 +85,4 @@ function connect(model) {
   pages.place(model.document)
   connection.connect()
   opened()
-  channel.order("hello")
 }
