@@ -159,4 +159,5 @@ class Pages:
 
     def _tell(self):
         """Send the state of the open page. Later, as Panel sends it at once, but Bokeh its figures after this call."""
-        self.session.later(lambda: self.session.send("beside", **(self.page.published if self.page else {})))
+        content = self.page.published if self.page else {}
+        self.session.later(lambda: self.session.send("beside", **content))

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from visitor import messages, order
+from visitor import ended, messages, order
 
 from app import pages
 from app.pages import Sheet, listed, section
@@ -109,6 +109,18 @@ def test_interface_law_matches_the_solver_and_follows_the_scene(session):
         assert (
             law["spacing"] == scene.spacing and 0.5 < law["peak"] < 0.71
         )  # 1/sqrt(2) for one spring, less for a lattice
+
+
+def test_a_page_that_is_opened_again_is_closed_before(session):
+    """Otherwise the browser keeps the figures of the page before."""
+    sent, calls = messages(session), []
+    session.doc.add_next_tick_callback = calls.append
+    for _ in range(2):
+        order(session, "page", page="law")
+    for call in calls:
+        ended(call())
+    opened = [message.get("open") for message in sent if message["kind"] == "beside"]
+    assert opened[0] == opened[-1] == "law" and None in opened
 
 
 def test_a_step_of_the_press_depth_sends_nothing_of_an_unchanged_interface_law(session):
