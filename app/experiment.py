@@ -257,11 +257,12 @@ def serve() -> None:
 def add_to(doc: Document, stage: Stage, slots: dict[str, Any]) -> None:
     """Add a Stage, and the slots of pages, to a document."""
     pn.extension(browser_info=False)
-    stage.server_doc(doc, title=page.TITLE, location=False)
-    doc.roots[0].stylesheets = []  # of Panel: the component itself shows nothing
-    for name, model in slots.items():
-        model.name = name
-        doc.add_root(model)
+    with document.frozen(doc):
+        stage.server_doc(doc, title=page.TITLE, location=False)
+        doc.roots[0].stylesheets = []  # of Panel: the component itself shows nothing
+        for name, model in slots.items():
+            model.name = name
+            doc.add_root(model)
     doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
     doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
 
