@@ -66,18 +66,21 @@ class Stage(JSComponent):
     def __init__(self, result: Any = None, title: str = "", **params: Any) -> None:
         """result: a Result to show, read-only; title: of its file. Raises ValueError for a Result without frames."""
         super().__init__(**params)
-        self._file = None if result is None else alone.page_of(result, title or page.TITLE)
+        self._title = title or page.TITLE
+        self._page = "" if result is None else alone.page_of(result, self._title)
 
     def save(self, path: str | Path, *_: Any, **__: Any) -> None:  # type: ignore[override]
-        """Write the file of the Result. Raises OSError where it cannot be written."""
-        Path(path).write_text(self._file or "", encoding="utf-8")
+        """Write the file of the Result. Raises OSError where it cannot be written, ValueError without a Result."""
+        if not self._page:
+            raise ValueError("this Stage has no result to save; make it by Stage(simulate(Scene()))")
+        Path(path).write_text(self._page, encoding="utf-8")
 
     def _repr_mimebundle_(self, *_: Any, **__: Any) -> Any:
         """Return the file in a frame of a notebook."""
         return {"text/html": self._repr_html_()}, {}
 
     def _repr_html_(self) -> str:
-        return alone.framed(self._file or "")
+        return alone.framed(self._page, self._title)
 
     _esm = SCRIPT
     # Panel waits 50 ms for other changes, unless they are of these

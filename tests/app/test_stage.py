@@ -1,6 +1,9 @@
 """The parameters of the Stage as Panel passes them on."""
 
+import pytest
 from visitor import messages
+
+from app.stage import Stage
 
 
 def test_changes_that_panel_passes_on_together_are_obeyed_in_the_order_of_their_numbers(session, monkeypatch):
@@ -16,3 +19,9 @@ def test_two_equal_messages_are_both_sent(session):
     for _ in range(2):
         session.send("file", ending="npz", why="", body=b"1")
     assert len(sent) == 2
+
+
+def test_a_stage_without_a_result_is_not_saved(tmp_path):
+    with pytest.raises(ValueError, match="no result"):
+        Stage().save(tmp_path / "punch.html")
+    assert not list(tmp_path.iterdir())

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import PATIENCE, PLAYING, finished, from_menu
+from served import PATIENCE, PLAYING, finished, from_menu, values_are
 from tabs import imported
 
 
@@ -242,3 +242,12 @@ def test_theme_follows_the_browser_and_switching_it_keeps_the_run(visit):
     from_menu(page, "#theme")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert page.evaluate("punch.run.number") == 1
+
+
+def test_two_entries_made_at_once_both_count(look):
+    """Panel passes on the last of two values that come together."""
+    page = look("?u_x_max=6")
+    finished(page)
+    entries = "[{ E: '81' }, { phi_ratio: '0.9' }]"
+    imported(page, "steer").evaluate(f"() => {entries}.forEach(modules.steer.enter)")
+    values_are(page, E=81, phi_ratio=0.9)

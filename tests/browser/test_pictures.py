@@ -15,7 +15,7 @@ WATCH = """() => {
     const EVENT = /^(slip|in|off|part) / // keys of sentences that take the place of others at once
     Object.assign(window, { pictures: 0, wrong: [] })
     let last = null, at = 0, before = 0 // the last picture, when it and the one before it came, ms
-    // {time, key, text} of what was true; what was said before this look began was
+    // {time, key, text} of what was true. The sentence that is there already counts as true now
     let recent = [{ time: performance.now(), key: "", text: by("sentence").textContent }]
     const entered = (run) => ["delta_bar", "phi_ratio", "E"].filter((name) => {
         const entry = by(`${name}-entry`), typed = entry === document.activeElement || !by(`${name}-error`).hidden

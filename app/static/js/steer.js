@@ -27,7 +27,10 @@ export function enter(values) {
 // nothing queues.
 export function sendNext(held = me.dragging) {
   if (!me.entered || (me.dragging && me.waiting.length)) return
-  order("scene", { values: me.entered, ...(held && { held }) })
+  // with what is not answered yet: of two values of a parameter that come together Panel passes on the last
+  const since = me.waiting.slice(me.waiting.findLastIndex(({ what }) => what !== "scene") + 1)
+  const values = Object.assign({}, ...since.map((sent) => sent.values), me.entered)
+  order("scene", { values, ...(held && { held }) })
   me.entered = null
 }
 
