@@ -1,7 +1,10 @@
 """The parameters of the Stage as Panel passes them on."""
 
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
-from visitor import messages
+from visitor import PATIENCE, messages
 
 from app.stage import Stage
 
@@ -10,7 +13,15 @@ def test_changes_that_panel_passes_on_together_are_obeyed_in_the_order_of_their_
     """A page was asked for something before it was open."""
     obeyed = []
     monkeypatch.setattr(session, "obey", lambda name, given: obeyed.append(name))
-    session.stage.param.update(ask={"n": 5, "what": "sweep"}, page={"n": 4, "page": "load"}, skip={"n": "x"})
+
+    async def change():
+        session.stage.param.update(ask={"n": 5, "what": "sweep"}, page={"n": 4, "page": "load"}, skip={"n": "x"})
+        async with asyncio.timeout(PATIENCE):
+            while len(obeyed) < 3:
+                await asyncio.sleep(0)
+
+    with ThreadPoolExecutor(1) as thread:  # in that of the tests Playwright's loop may be running
+        thread.submit(asyncio.run, change()).result()
     assert obeyed == ["skip", "page", "ask"]
 
 
