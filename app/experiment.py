@@ -17,7 +17,7 @@ from bokeh.models import CustomJS, Div
 
 from app import document, page
 from app.on_loop import on_loop
-from app.pages import Pages, places
+from app.pages import Pages
 from app.service import metrics, tasks
 from app.service.jobs import Jobs
 from app.service.jobs import jobs as shared_jobs
@@ -54,7 +54,7 @@ class Experiment(param.Parameterized):
         super().__init__(scene=scene, preset=preset, notes=notes)
         self.doc, self.jobs, self.closed = doc, jobs, False
         self.stage = Stage()
-        self.own = "", ""  # ids of the Stage's models in the document
+        self.own = ""  # id of the Stage's model in the document
         self.sent = count(1)  # numbers messages, as a parameter that is set to what it is sends nothing
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
@@ -90,9 +90,8 @@ class Experiment(param.Parameterized):
             self.stage.param.update({kind: content | {"sent": next(self.sent)}})
 
     def may_change(self, model: str, attribute: str) -> bool:
-        """Whether the browser may set an attribute of the model with this id: of the Stage only what has an order."""
-        root, data = self.own
-        return model != root and (model != data or attribute in self.orders)
+        """Whether the browser may set an attribute of the model with this id: of the Stage, what has an order."""
+        return model == self.own and attribute in self.orders
 
     def later(self, call: Callable[[], object]) -> None:
         """Make a call under the lock of the document, unless the visitor has left; any thread may call this."""
@@ -246,27 +245,24 @@ def serve() -> None:
     try:
         experiment = Experiment(doc, Pages, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: experiment.close())
-        add_to(doc, experiment.stage, experiment.pages.slots)
-        experiment.own = doc.roots[0].id, doc.roots[0].data.id
+        add_to(doc, experiment.stage)
+        experiment.own = doc.roots[0].data.id
     except Exception:  # otherwise the visitor would wait forever
         log.exception("the page could not be built")
         doc.clear()
         doc.add_root(Div(text="The experiment could not be opened. See the server's log, then reload the page."))
 
 
-def add_to(doc: Document, stage: Stage, slots: dict[str, Any]) -> None:
-    """Add a Stage, and the slots of pages, to a document."""
+def add_to(doc: Document, stage: Stage) -> None:
+    """Add a Stage to a document."""
     pn.extension(browser_info=False)
     with document.frozen(doc):
         stage.server_doc(doc, title=page.TITLE, location=False)
         doc.roots[0].stylesheets = []  # of Panel: the component itself shows nothing
-        for name, model in slots.items():
-            model.name = name
-            doc.add_root(model)
     doc.config.update(reconnect_session=False, notifications=None, notify_connection_status=False)
     doc.js_on_event("connection_lost", CustomJS(code="document.dispatchEvent(new Event('connection-lost'))"))
 
 
 def example(doc: Document) -> None:
     """Add what a visitor's document has to another one."""
-    add_to(doc, Stage(), places())
+    add_to(doc, Stage())

@@ -124,11 +124,12 @@ def _stored(root):
 
 
 def declarations(root: str) -> dict[str, Any]:
-    """Return the declarations of presets, nodes and sliders that the browser needs."""
+    """Return the declarations of presets, marks and sliders that the browser needs."""
+    marks = {"punch": schema.NODES, "law": schema.RIDERS, "toughness": schema.EDGES, "load": schema.CHANGES}
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
         "stored": _stored(root),
-        "nodes": {name: vars(node) for name, node in schema.NODES.items()},
+        "marks": {chart: {name: vars(node) for name, node in nodes.items()} for chart, nodes in marks.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
         "reach": reach()._asdict(),

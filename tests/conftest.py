@@ -200,8 +200,6 @@ def session():
 
     visit = Experiment(Document(), Pages, {}, Jobs(NoPool()))
     visit.doc.add_next_tick_callback = lambda call: ended(call())  # no server: at once
-    for slot in visit.pages.slots.values():
-        visit.doc.add_root(slot)
     yield visit
     visit.close()
 

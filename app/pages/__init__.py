@@ -2,15 +2,14 @@
 
 A page is a folder here with a page.py:
 
-    TITLE, ORDER, FIGURES    its name, its place in the menu, the slots of its figures
-    compose()                the Bokeh figures, each named page_slot, if there are any
-    Page                     a Sheet: the page of one visitor
+    TITLE, ORDER    its name, and its place in the menu
+    Page            a Sheet: the page of one visitor
 
-page.html is its section of the document, where `modules` has all page.py by name. Without it, the section has a title
-and the figures. page.js is its script. A page publishes one dictionary. The browser shows these entries of it, and
-page.js receives all:
+page.html is its section of the document, where `modules` has all page.py by name. page.js is its script, which draws
+its charts. A page publishes one dictionary. The browser shows these entries of it, and page.js receives all; what
+has not changed is not sent again:
 
-    texts {element: text}, hidden {element: whether}, busy (share done or None), images {view.label: (low, high)}
+    texts {element: text}, hidden {element: whether}, busy (share done or None)
 """
 
 import logging
@@ -20,12 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from bokeh.models import Column
-
-from app.document import frozen
 from app.service.requests import Requests
-from app.views.plots import View, view_of
 from solver import Scene
 from solver.following.skeleton import Skeleton
 
@@ -47,24 +41,17 @@ def section(name: str) -> str:
     own = HERE / name / "page.html"
     if own.exists():
         return own.read_text(encoding="utf-8")
-    figures = "".join(f'{{% call plot("{name}_{slot}") %}}{{% endcall %}}' for slot in listed()[name].FIGURES)
-    return f'{{% call sheet("{name}") %}}<div class="figures">{figures}</div>{{% endcall %}}'
-
-
-def places() -> dict[str, Column]:
-    """Return {page_slot: empty Column for the figure}."""
-    names = [f"{name}_{slot}" for name, page in listed().items() for slot in page.FIGURES]
-    return {name: Column(sizing_mode="stretch_both") for name in names}
+    return f'{{% call sheet("{name}") %}}{{% endcall %}}'
 
 
 class Sheet:
-    """The page of one visitor, with its views {slot: View}. Subclasses override the handlers; the defaults do nothing.
+    """The page of one visitor. Subclasses override the handlers; the defaults do nothing.
 
     `sweep` requests many calls from the workers, `single` one at a time.
     """
 
-    def __init__(self, session: Any, publish: Callable[..., None], views: dict[str, View]) -> None:
-        self.session, self.publish, self.views = session, publish, views
+    def __init__(self, session: Any, publish: Callable[..., None]) -> None:
+        self.session, self.publish = session, publish
         self.published = {}
         self.sweep, self.single = Requests(session, self.take), Requests(session)
 
@@ -89,21 +76,13 @@ class Sheet:
         self.sweep.cancel()
         self.single.cancel()
 
-    def draw(self, slot: str, part: str, **columns: Any) -> None:
-        """Replace data columns of a part of a figure. Nothing is sent if they are the same."""
-        source = self.views[slot].parts[part].data_source
-        before = dict(source.data)
-        if not all(name in before and np.array_equal(before[name], values) for name, values in columns.items()):
-            source.data = before | columns
-
 
 class Pages:
     """The open page of one visitor, if any. Every method runs under the lock of the visitor's document."""
 
     def __init__(self, session: Any) -> None:
         self.session = session
-        self.slots = places()
-        self.name = ""
+        self.name = ""  # of the open page, or of the last one
         self.page: Any = None
 
     def open(self, page: str) -> bool:
@@ -112,30 +91,21 @@ class Pages:
         if page not in listed():
             return page == ""
         self.name, self.page = page, self._made(page)
-        with frozen(self.session.doc):
-            for slot, view in self.page.views.items():
-                self.slots[f"{page}_{slot}"].children = [view.figure]
         self.page.start()
-        self._publish(self.page, {})
+        self._publish(self.page, {"open": page})
         log.info("a visitor opened the page %s", page)
         return True
 
     def _made(self, name):
-        figures = listed()[name].compose() if listed()[name].FIGURES else []
-        views = {figure.name.removeprefix(f"{name}_"): view_of(figure) for figure in figures}
-        page = listed()[name].Page(self.session, lambda **news: self._publish(page, news), views)
-        page.published = {"open": name, "figures": [figure.name for figure in figures]}
+        page = listed()[name].Page(self.session, lambda **news: self._publish(page, news))
         return page
 
     def _leave(self):
-        """Remove the models and cancel the calls of the open page."""
+        """Cancel the calls of the open page."""
         if self.page is not None:
             page, self.page = self.page, None
             page.close()
-            for slot in page.views:
-                self.slots[f"{self.name}_{slot}"].children = []
-            self.name = ""
-            self._tell()
+            self.session.send("beside")
 
     def close(self) -> None:
         """Cancel all calls: the visitor left."""
@@ -153,11 +123,7 @@ class Pages:
 
     def _publish(self, page, news):
         """Send the news of a page, unless it is closed."""
-        before, page.published = page.published, page.published | news
-        if page is self.page and (page.published != before or not news):
-            self._tell()
-
-    def _tell(self):
-        """Send the state of the open page. Later, as Panel sends it at once, but Bokeh its figures after this call."""
-        content = self.page.published if self.page else {}
-        self.session.later(lambda: self.session.send("beside", **content))
+        news = {name: value for name, value in news.items() if page.published.get(name, self) != value}
+        page.published |= news
+        if news and page is self.page:
+            self.session.send("beside", **{"open": self.name} | news)

@@ -1,8 +1,8 @@
 """The websocket of a visitor. A browser may change the models of its own page, and add none.
 
 Bokeh parses and applies the messages. It would also add roots, or change the title; this module rejects such messages.
-Of the experiment's Stage a browser sets the parameters with an order, and no other. Undocumented in Bokeh 3.9: the
-handler of "/ws" has the `receiver`, `handler` and `connection` of a session.
+Of the experiment a browser sets the parameters of the Stage that have an order, and nothing else. Undocumented in
+Bokeh 3.9: the handler of "/ws" has the `receiver`, `handler` and `connection` of a session.
 """
 
 import asyncio
@@ -134,7 +134,7 @@ class MessageFilter(WSHandler):
             await message.send(self)
 
     def _check(self, message):
-        """Raise ValueError for a message that no page sends. Changes of what is gone are dropped: a page was closed."""
+        """Raise ValueError for a message that no page sends. Changes of what is gone are dropped: it was replaced."""
         if message.msgtype not in ("PATCH-DOC", "PULL-DOC-REQ") or not isinstance(message.header["msgid"], str):
             raise ValueError("a message that no page sends")
         events = message.content.get("events", ())

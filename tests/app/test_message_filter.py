@@ -6,7 +6,6 @@ import gzip
 import json
 import logging
 import re
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,7 +17,7 @@ from bokeh.util.token import generate_jwt_token
 from panel.reactive import Syncable
 from tornado import locks
 from tornado.websocket import WebSocketClosedError
-from visitor import say
+from visitor import say, waited
 
 from app import pages
 from app.experiment import Experiment
@@ -27,12 +26,6 @@ from app.stage import Stage
 
 SCRIPTS = list(Path(pages.__file__).parents[1].rglob("*.js"))
 HELLO = {"do": "hello", "n": 0}
-
-
-def waited(coroutine):
-    """Its result; in a thread, as Playwright leaves a running loop in this one."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, coroutine).result(60.0)
 
 
 class Visit:
@@ -47,7 +40,8 @@ class Visit:
         self.filter.connection = SimpleNamespace(session=SimpleNamespace(document=session.doc, patch=self._patch))
         root = session.stage.get_root(session.doc)
         session.doc.add_root(root)
-        self.root, self.wire = session.own = root.id, root.data.id
+        self.root, self.wire = root.id, root.data.id
+        session.own = self.wire
         monkeypatch.setattr(message_filter, "connected", set())
         monkeypatch.setattr(self.filter, "close", self.closed.append)
         monkeypatch.setattr(session, "obey", lambda name, given: self.obeyed.append({"do": name} | given))
@@ -211,9 +205,14 @@ def test_a_message_that_adds_to_the_document_ends_the_connection(visit, kind):
 
 
 @pytest.mark.parametrize("model", ["p1", "x"])
-def test_a_change_of_a_model_that_is_gone_changes_nothing_and_the_rest_of_its_message_counts(visit, model):
-    """A figure of a page tells its size while the page is being closed."""
-    events = [visit.patch("x", "text", model)["events"][0], visit.order(HELLO)["events"][0]]
+def test_a_browser_sets_nothing_of_another_model(visit, model):
+    assert visit.say(visit.patch("x", "text", model)) == [] and visit.closed == [message_filter.TRY_LATER]
+
+
+def test_a_change_of_a_model_that_is_gone_changes_nothing_and_the_rest_of_its_message_counts(visit, monkeypatch):
+    """On a research page a figure tells its size while it is being replaced."""
+    monkeypatch.setattr(message_filter, "visitors", set())
+    events = [visit.patch("x", "text", "p1")["events"][0], visit.order(HELLO)["events"][0]]
     assert visit.say({"events": events}) == [HELLO] and not visit.closed
 
 

@@ -1,10 +1,9 @@
 """The parameters of the Stage as Panel passes them on."""
 
 import asyncio
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from visitor import PATIENCE, messages
+from visitor import PATIENCE, messages, waited
 
 from app.stage import Stage
 
@@ -20,8 +19,7 @@ def test_changes_that_panel_passes_on_together_are_obeyed_in_the_order_of_their_
             while len(obeyed) < 3:
                 await asyncio.sleep(0)
 
-    with ThreadPoolExecutor(1) as thread:  # in that of the tests Playwright's loop may be running
-        thread.submit(asyncio.run, change()).result()
+    waited(change())
     assert obeyed == ["skip", "page", "ask"]
 
 

@@ -15,10 +15,7 @@ from solver import Scene, load_path
 COARSE = {"nodes": 256, "width": 625.0, "du_x": 0.2, "du_z": 0.5, "u_x_max": 20.0}
 ADDRESS = "&".join(f"{name}={value:g}" for name, value in COARSE.items())
 POINTS = "document.getElementById('load-count').textContent === '{} point{}'"
-COLUMN = """(() => {{
-    const models = [...Bokeh.documents[0]._all_models.values()]
-    return [...models.findLast((model) => model.name === 'load_slips.{}').data_source.data.{}]
-}})()"""
+COLUMN = "[...charts.load_slips.parts['{}'].{}]"  # of a part, along an axis
 
 
 def first_slip(**changed):
@@ -29,6 +26,17 @@ def first_slip(**changed):
 
 def has_points(page, count):
     page.wait_for_function(POINTS.format(count, "" if count == 1 else "s"), timeout=PATIENCE)
+
+
+def said(page, name):
+    """What the chart says where the mouse points at the first mark of a part."""
+    return page.evaluate(
+        """(name) => {
+            const chart = charts.load_slips, { x, y } = chart.parts[name], { X, Y } = chart.box
+            return chart.says(null, { x: X(x[0]), y: Y(y[0]) })
+        }""",
+        name,
+    )
 
 
 def enter(page, name, text):
@@ -63,9 +71,9 @@ def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter
     has_points(page, 3)
     expected = {"several": {}, "E": {"E": E}, "delta_bar": {"E": E, "delta_bar": -0.3}}
     for name, changed in expected.items():
-        points = [page.evaluate(COLUMN.format(name, column)) for column in ("L", "F")]
+        points = [page.evaluate(COLUMN.format(name, column)) for column in "xy"]
         assert np.ravel(points) == pytest.approx(first_slip(**changed), rel=1e-4)  # single precision, and round-off
-    assert page.evaluate(COLUMN.format("E", "label"))[0].startswith(f"E = {E:g} GPa")
+    assert said(page, "E")[0] == f"E = {E:g} GPa"
     L, F = first_slip(**expected["delta_bar"])
     assert L < 0 < F  # adhesion alone holds
 
@@ -96,7 +104,7 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     has_points(page, 0)
     enter(page, "E", "90")
     has_points(page, 1)
-    assert len(page.evaluate(COLUMN.format("E", "L"))) == 1  # compared with the run before
+    assert len(page.evaluate(COLUMN.format("E", "x"))) == 1  # compared with the run before
 
 
 def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(look):
@@ -106,10 +114,10 @@ def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(look
     frames = load_path(Scene(**COARSE | {"path": "points", "points": points}))
     frame = next(frame for frame in frames if frame.stage != "approach" and frame.slips)
     assert frame.stage == "3 unload"  # the shear ends before a slip, and the pull-off is one
-    point = [page.evaluate(COLUMN.format("several", column))[0] for column in ("L", "F")]
+    point = [page.evaluate(COLUMN.format("several", column))[0] for column in "xy"]
     event = frame.slips[0]
     assert point == pytest.approx([event.L_bar * frame.unit, event.F_bar * frame.unit], rel=1e-4, abs=1e-3)
-    assert page.evaluate(COLUMN.format("several", "label"))[0].startswith("first slip of the path, in stage 3 unload,")
+    assert said(page, "several")[0] == "first slip of the path" and said(page, "several")[1] == "in stage 3 unload"
 
 
 @pytest.mark.thorough
@@ -131,8 +139,7 @@ def test_a_single_point_without_load_lies_on_axes_of_the_size_of_forces(look):
     """Flats at zero gap bear no load. An axis of 0.2 N/m or less would suggest that its numbers mean something."""
     page = cleared(look, "?preset=fig4a-red&page=load")
     has_points(page, 1)
-    figure = "[...Bokeh.documents[0]._all_models.values()].findLast((model) => model.name === 'load_slips')"
-    L = page.evaluate(f"(({{ start, end }}) => [start, end])({figure}.x_range)")
+    L = page.evaluate("(({ start, end }) => [start, end])(charts.load_slips.x)")
     assert L[0] < -1.0 and L[1] > 1.0
 
 
@@ -140,12 +147,12 @@ def test_sweep_of_the_press_depth_adds_twelve_runs_of_one_interface_and_their_fo
     page = opened
     page.get_by_role("button", name="Sweep the press depth").click()
     has_points(page, 12)  # the run on screen is one of them
-    joined = np.array([page.evaluate(COLUMN.format("mark runs", column)) for column in ("L", "F")])
+    joined = np.array([page.evaluate(COLUMN.format("runs", column)) for column in "xy"])
     expected = np.array([first_slip(delta_bar=depth) for depth in DEPTHS]).T
     np.testing.assert_allclose(joined, expected, rtol=1e-3, atol=0.05)
     held = np.interp(0.0, *expected)
     slope, offset = np.polyfit(*expected, 1)
-    line = np.array([page.evaluate(COLUMN.format("mark line", column)) for column in ("L", "F")])
+    line = np.array([page.evaluate(COLUMN.format("law", column)) for column in "xy"])
     np.testing.assert_allclose(np.polyfit(*line, 1), [slope, offset], rtol=1e-3)
     said = page.inner_text("#load-law")
     numbers = [float(text) for text in re.findall(r"\d+\.?\d*(?= N/m)", said)]
@@ -154,7 +161,7 @@ def test_sweep_of_the_press_depth_adds_twelve_runs_of_one_interface_and_their_fo
     assert numbers == pytest.approx([held, offset, miss], rel=0.01)
     enter(page, "E", "90")  # another interface, of one run so far
     has_points(page, 13)
-    assert not page.evaluate(COLUMN.format("mark runs", "L"))
+    assert not page.evaluate(COLUMN.format("runs", "x"))
     assert "adhesion" not in page.inner_text("#load-law")
     page.locator("#load-clear").click()
     has_points(page, 0)

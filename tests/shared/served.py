@@ -19,7 +19,6 @@ PLAYING = {"reduced_motion": "no-preference"}  # options of a tab in which runs 
 SETTLE = 30_000  # ms for what is laid out anew; after that a fault is one
 TROUBLE = re.compile(r"error|exception|traceback|critical", re.IGNORECASE)
 FINISHED = "() => window.punch?.status.state === 'finished' && !punch.fresh && punch.run.length === punch.status.frames"
-MODEL = "[...Bokeh.documents[0]._all_models.values()].find((model) => model.name === '{}')"
 FAULTS = """() => {
     const said = []
     const name = (e) => e.id ? `#${e.id}` : `${e.tagName.toLowerCase()} “${e.textContent.trim().slice(0, 30)}”`
@@ -28,11 +27,8 @@ FAULTS = """() => {
     const all = (what) => [...document.querySelectorAll(what)].filter(seen)
     if (document.documentElement.scrollWidth > innerWidth) said.push(`${document.documentElement.scrollWidth} px wide`)
     const least = 100 // px, of what the axes enclose
-    for (const figure of [...Bokeh.documents[0]._all_models.values()].filter((model) => model.type === 'Figure')) {
-        const view = Bokeh.index.find_one(figure)
-        if (view?.el?.checkVisibility({ visibilityProperty: true }) && view.el.clientHeight
-            && figure.inner_height < least) said.push(`${figure.name} has a plot ${figure.inner_height} px high`)
-    }
+    for (const [label, { view, box }] of Object.entries(charts).filter(([, { view }]) => view.closest('.sheet')))
+        if (seen(view) && !(box?.height >= least)) said.push(`${label} has a plot ${box?.height} px high`)
     const texts = [...document.querySelectorAll('.page *')].filter((e) => seen(e)
         && [...e.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()))
     for (const e of new Set([...all('header *'), ...all('.player *'), ...texts])) {
@@ -155,7 +151,7 @@ def values_are(page, **values):
 
 
 def laid_out(page):
-    """After the next picture of the screen, when Bokeh has followed a change of size.
+    """After the next picture of the screen.
 
     What lies over something only until the next picture of a busy machine is no fault.
     """

@@ -1,8 +1,10 @@
 """Replacements for a visitor's document and browser, and a pool that does nothing."""
 
+import asyncio
 import json
 import queue
 import time
+from concurrent.futures import ThreadPoolExecutor
 from math import inf
 
 import numpy as np
@@ -79,6 +81,12 @@ def ended(coroutine):
     except StopIteration:
         return
     raise AssertionError("it waits")
+
+
+def waited(coroutine):
+    """Its result; in a thread, as Playwright leaves a running loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result(PATIENCE)
 
 
 def whole_run(scene):

@@ -1,14 +1,13 @@
 // The page "Friction over load": the points of slips.js, coloured by the one parameter that changed before each.
 
-import { set } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"
+import { addChart, charts, line, marksOf } from "../../static/js/charts.js"
 import { by, on } from "../../static/js/dom.js"
 import { extent } from "../../static/js/curves.js"
-import { figures, fill } from "../../static/js/figures.js"
 import { digits, named, withUnit } from "../../static/js/quantities.js"
 import { download } from "../../static/js/share.js"
 import { addSwept, clear, collect, points } from "../../static/js/slips.js"
-import { me } from "../../static/js/store.js"
+import { declared, me } from "../../static/js/store.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.12 // of an axis, beyond the points
@@ -16,14 +15,23 @@ const ALONE = 0.05 // of the largest force of all points: the least room, also a
 const FEWEST = 3 // points of one interface that have a line
 const EMPTY = 100 // N/m, either way of an axis without points
 
+const NEAR = 14 // px, from the mouse to a point that it points at
+
 const groupOf = ({ changed }) => (changed === null ? "several" : NAMED.includes(changed) ? changed : "another")
 
 export function connect() {
+  addChart("load_slips", { x: { start: -EMPTY, end: EMPTY }, y: { start: -EMPTY, end: EMPTY }, across: "load L (N/m)",
+    up: "friction Fₛ (N/m)", parts: {
+      zero: { kind: "across", ink: "--grid" },
+      unloaded: { kind: "upright", at: 0, ink: "--text", width: 2, dash: [6, 4] },
+      runs: line("--repulsive", { width: 1.5 }), law: line("--text", { width: 2, dash: [2, 4] }),
+      now: { kind: "marks", marker: "circle", size: 18, hollow: true, ink: "--cursor", x: [], y: [] },
+      ...marksOf(declared.marks.load),
+    } })
+  charts.load_slips.says = says
   on("load-csv", "click", () => download(new Blob([csv()], { type: "text/csv" }), "-friction-over-load.csv"))
   on("load-clear", "click", () => { clear(); ask({ what: "clear" }); draw() })
 }
-
-export const opened = draw
 
 export function frame(run) {
   collect(run)
@@ -35,19 +43,18 @@ export function receive({ swept = [] }) {
   draw()
 }
 
-let drawn = "" // what the figure shows
+let drawn = "" // what the chart shows
 function draw() {
-  if (!figures.load_slips) return
   const key = JSON.stringify(me.run?.head.scene), now = points.find((point) => point.key === key)
-  const state = `${figures.load_slips.id} ${points.map((point) => point.key)} ${key}`
+  const state = `${points.map((point) => point.key)} ${key}`
   if (state === drawn) return
   drawn = state
   const groups = Object.groupBy(points, groupOf)
-  for (const name of [...NAMED, "another", "several"]) show(name, groups[name] ?? [])
-  show("mark now", now ? [now] : [])
+  for (const name in declared.marks.load) show(name, groups[name] ?? [])
+  show("now", now ? [now] : [])
   showLaw(me.run ? ofInterface(me.run.head.scene) : [])
-  axis("x_range", "L")
-  axis("y_range", "F")
+  fit("x", "L")
+  fit("y", "F")
   by("load-count").textContent = `${points.length} point${points.length === 1 ? "" : "s"}`
 }
 
@@ -82,23 +89,30 @@ export function alone(list) {
 function showLaw(list) {
   const enough = list.length >= FEWEST, { slope, offset, miss } = straight(list), held = alone(list)
   const ends = enough ? extent([0, ...list.map(({ L }) => L)]) : []
-  fill("load_slips", "mark runs", columns(enough ? list : []))
-  fill("load_slips", "mark line", { L: ends, F: ends.map((L) => offset + slope * L) })
-  const line = `The straight line through ${list.length} runs, F = ${digits(slope)} L ${offset < 0 ? "−" : "+"} ${
+  show("runs", enough ? list : [])
+  charts.load_slips.fill("law", { x: ends, y: ends.map((L) => offset + slope * L) })
+  const law = `The straight line through ${list.length} runs, F = ${digits(slope)} L ${offset < 0 ? "−" : "+"} ${
     withUnit("F", Math.abs(offset))} (dotted), misses them by up to ${withUnit("F", miss)}.`
   const first = held === null ? "No run of these passes L = 0."
     : `At L = 0 adhesion alone holds with ${withUnit("F", held)}: friction is not proportional to load.`
-  by("load-law").textContent = enough ? `${first} ${line}` : "Friction over load of this interface, in twelve runs."
+  by("load-law").textContent = enough ? `${first} ${law}` : "Friction over load of this interface, in twelve runs."
 }
 
-const columns = (list) => ({ L: list.map(({ L }) => L), F: list.map(({ F }) => F) })
-const show = (label, list) => fill("load_slips", label, { ...columns(list), label: list.map(labelOf) })
+const show = (part, list) => charts.load_slips.fill(part, { x: list.map(({ L }) => L), y: list.map(({ F }) => F) })
 
-function axis(range, name) {
+// The point that the mouse points at
+function says(_, { x, y }) {
+  const { X, Y } = charts.load_slips.box, away = points.map(({ L, F }) => Math.hypot(X(L) - x, Y(F) - y))
+  const i = away.indexOf(Math.min(...away))
+  if (!(away[i] < NEAR)) return null
+  return [...labelOf(points[i]).split(", "), named("L", points[i].L), named("F_s", points[i].F)]
+}
+
+function fit(axis, name) {
   const [low, high] = extent(points.map((point) => point[name]))
   const largest = Math.max(...points.flatMap(({ L, F }) => [Math.abs(L), Math.abs(F)]))
   const room = points.length ? Math.max(ROOM * (high - low), ALONE * largest) : EMPTY
-  set(figures.load_slips[range], { start: low - room, end: high + room })
+  charts.load_slips.range(axis, { start: low - room, end: high + room })
 }
 
 // The parameter that changed, and those with a slider; of a path through points also the stage of the slip

@@ -6,33 +6,14 @@ runs that nobody has seen: workers compute them.
 
 from typing import Any
 
-from bokeh.models import Span
-from bokeh.models.glyphs import Line, Scatter
-
 from app.pages import Sheet
-from app.schema import CHANGES
 from app.service import tasks
-from app.views.plots import add, add_zero, blank, draw
 from solver import SceneError
 from solver.files import plain
 from solver.scene import PARAMETERS
 
-TITLE, ORDER, FIGURES = "Friction over load", 3, ("slips",)
+TITLE, ORDER = "Friction over load", 3
 DEPTHS = tuple(k / 10 for k in range(-3, 9))  # delta_bar of a sweep: from a pull to a firm press
-
-
-def compose() -> list[Any]:
-    tooltips = [("", "@label"), ("L", "@L{0.0} N/m"), ("Fₛ", "@F{0.0} N/m")]
-    plot = blank("load_slips", "load L (N/m)", "friction Fₛ (N/m)")
-    add_zero(plot)
-    add(plot, "no load", Span(dimension="height", location=0.0, line_width=2, line_dash="dashed"), "--text")
-    draw(plot, Line, "mark runs", "--repulsive", "L", "F", line_width=1.5)
-    draw(plot, Line, "mark line", "--text", "L", "F", line_width=2, line_dash="dotted")
-    draw(plot, Scatter, "mark now", "--cursor", "L", "F", marker="circle", size=18, fill_alpha=0.0, line_width=2)
-    for name, node in CHANGES.items():
-        look = {"tooltips": tooltips, "marker": node.marker, "size": node.size}
-        draw(plot, Scatter, name, node.colour, "L", "F", "label", **look)
-    return [plot]
 
 
 class Page(Sheet):

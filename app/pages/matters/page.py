@@ -8,7 +8,7 @@ from app.pages import Sheet
 from app.service import tasks
 from app.service.pool import HEAVY
 
-TITLE, ORDER, FIGURES = "What matters", 5, ()
+TITLE, ORDER = "What matters", 5
 LOST = "it could not be computed. Change a parameter to try again"
 LONG = 120.0  # s, time limit of a run with its derivatives
 

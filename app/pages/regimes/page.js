@@ -1,18 +1,18 @@
 // The page "Map of regimes": its axes and its quantity; a click goes to that scene, and a drag through all between.
 
-import { drawnBy, onEvent, set } from "../../static/js/bokeh.js"
 import { ask } from "../../static/js/channel.js"
-import { by, on } from "../../static/js/dom.js"
-import { figures, parts } from "../../static/js/figures.js"
+import { valueAt } from "../../static/js/chart.js"
+import { addChart, charts, line, none } from "../../static/js/charts.js"
+import { levels, pictureOf } from "../../static/js/colours.js"
+import { by, on, onDrag } from "../../static/js/dom.js"
+import { inks, write } from "../../static/js/pen.js"
 import { digits, minus } from "../../static/js/quantities.js"
 import { letGo, steer } from "../../static/js/steer.js"
 
 const DIGITS = 4 // of a value
 const NAMED = 420 // px, from which on the names of regimes stand beside each other
-const HINT = "Point at the map to read it; click or drag to go there."
 
-let axes = [], regimes = [] // {name, values} across and upwards; of each place, row by row, what it is called
-let unit = "", pointed = null // of the quantity; {x, y} under the pointer
+let map = null // of the server, see app/pages/regimes/page.py; a place is in columns and rows
 
 export function connect() {
   on("regimes-of", "change", () => ask({ what: "of", of: by("regimes-of").value }))
@@ -22,45 +22,74 @@ export function connect() {
     sides.forEach((each, k) => { now[k] = each.value })
     ask({ what: "axes", x: now[0], y: now[1] })
   }))
+  addChart("regimes_map", { x: { start: 0, end: 1 }, y: { start: 0, end: 1 }, across: "", up: "", parts: {
+    map: { kind: "image", picture: null }, outline: line("--cut", { width: 3 }),
+    names: { kind: "drawing", draw: drawNames },
+    own: { kind: "marks", marker: "diamond", size: 14, ink: "--cut", ...none },
+  } })
+  charts.regimes_map.says = says
+  connectMouse(charts.regimes_map.view)
+}
+
+// A mouse drags; a finger that moves scrolls the page, and taps
+function connectMouse(view) {
+  const chart = charts.regimes_map
+  const placeOf = ({ clientX, clientY }) => {
+    const { left, top } = view.getBoundingClientRect()
+    return chart.placeOf({ x: clientX - left, y: clientY - top })
+  }
+  const within = ({ x, y }) => x >= chart.x.start && x <= chart.x.end && y >= chart.y.start && y <= chart.y.end
+  onDrag(view, (event) => event.pointerType !== "touch" && map !== null && within(placeOf(event)),
+    (event) => steer(valuesAt(placeOf(event))), letGo)
+  view.addEventListener("click", (event) => {
+    const place = placeOf(event)
+    if (map === null || !within(place)) return
+    steer(valuesAt(place))
+    letGo()
+  })
 }
 
 export function receive(news) {
-  axes = news.axes ?? []
-  regimes = news.codes?.map((code) => news.names.at(code)) ?? []
-  unit = news.unit ?? ""
-  set(parts.regimes_map.names, { visible: figures.regimes_map.inner_width > NAMED })
-  readOut()
+  map = news.map ?? null
+  if (map) draw()
+  const [i, j] = news.own ?? []
+  charts.regimes_map.fill("own", news.own ? { x: [i], y: [j] } : none)
 }
 
-export function opened() {
-  pointed = null
-  const drags = matchMedia("(pointer: coarse)").matches ? [] : ["pan"] // a finger that moves scrolls the page
-  for (const name of ["tap", ...drags]) onEvent(figures.regimes_map, name, ({ x, y }) => steer(valuesAt([x, y])))
-  for (const name of ["tap", "panend"]) onEvent(figures.regimes_map, name, letGo)
-  onEvent(figures.regimes_map, "mousemove", ({ x, y }) => { pointed = { x, y }; readOut() })
-  onEvent(figures.regimes_map, "mouseleave", () => { pointed = null; readOut() })
+function draw() {
+  const chart = charts.regimes_map, [x, y] = map.axes, columns = x.values.length, rows = y.values.length
+  const values = map.values.map((value) => value ?? NaN)
+  chart.range("x", { start: -0.5, end: columns - 0.5, ticks: x.ticks })
+  chart.range("y", { start: -0.5, end: rows - 0.5, ticks: y.ticks })
+  chart.across = x.label
+  chart.up = y.label
+  const picture = pictureOf(values, [rows, columns], levels(...map.limits))
+  chart.fill("map", { picture, values, rows, columns, x: -0.5, y: -0.5, wide: columns, high: rows })
+  const ends = (side) => map.outline.flatMap((of) => [of[side], of[side + 2], NaN])
+  chart.fill("outline", { x: ends(0), y: ends(1) })
 }
 
-const readOut = () => { by("regimes-at").textContent = (pointed && read(pointed)) || HINT }
-
-const labelOf = (name) => by("regimes-x").querySelector(`[value="${name}"]`).textContent
+function drawNames(pen, box) {
+  if (box.width < NAMED) return
+  for (const [i, j, name] of map?.names ?? []) write({ pen, box, ink: inks() }, name, box.X(i), box.Y(j))
+}
 
 // What the map shows at a place
-function read({ x, y }) {
-  const { image, rows, columns } = drawnBy(parts.regimes_map.map), i = Math.round(x), j = Math.round(y)
-  const regime = regimes[j * columns + i]
-  if (regime === undefined || i < 0 || i >= columns || j < 0 || j >= rows) return ""
-  const named = Object.entries(valuesAt([i, j])).map(([name, value]) => `${labelOf(name)} ${minus(value)}`)
-  const value = image[j * columns + i], what = by("regimes-of").selectedOptions[0].textContent
-  const texts = [regime, Number.isFinite(value) && `${what} ${digits(value)} ${unit}`]
-  return `${named.join(", ")}: ${texts.filter(Boolean).join(", ")}`
+function says(place) {
+  const x = Math.round(place.x), y = Math.round(place.y)
+  if (map === null || !(x in map.axes[0].values && y in map.axes[1].values)) return null
+  const at = valuesAt({ x, y }), value = valueAt(charts.regimes_map.parts.map, { x, y }), [what, unit] = map.of
+  const regime = map.kinds[map.codes[y * map.axes[0].values.length + x]]
+  return [...map.axes.map(({ name, label }) => `${label}: ${minus(at[name])}`),
+    ...(regime ? [regime] : []), ...(Number.isFinite(value) ? [`${what}: ${digits(value)} ${unit}`] : [])]
 }
 
-// {parameter: text} at a place of the map, in columns and rows
+// {parameter: text} at a place of the map
 function valuesAt(place) {
-  return Object.fromEntries(axes.map(({ name, values }, side) => {
-    const at = Math.min(Math.max(place[side], 0), values.length - 1), k = Math.min(Math.floor(at), values.length - 2)
-    const value = values[k] + (at - k) * (values[k + 1] - values[k])
+  const at = [place.x, place.y]
+  return Object.fromEntries(map.axes.map(({ name, values }, side) => {
+    const to = Math.min(Math.max(at[side], 0), values.length - 1), k = Math.min(Math.floor(to), values.length - 2)
+    const value = values[k] + (to - k) * (values[k + 1] - values[k])
     return [name, `${Number(value.toPrecision(DIGITS))}`]
   }))
 }

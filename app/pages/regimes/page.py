@@ -10,9 +10,6 @@ from math import dist, inf
 from typing import Any
 
 import numpy as np
-from bokeh.models import FixedTicker
-from bokeh.models.glyphs import Line, Scatter, Text
-from bokeh.palettes import cividis
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
@@ -20,13 +17,12 @@ from app.pages import Sheet
 from app.service import metrics, tasks
 from app.service.cache import Cache
 from app.service.pool import HEAVY
-from app.views.plots import blank, draw, draw_image
 from solver import Scene, SceneError
 from solver.analysis.maps import REGIMES, Axis, Map, Point
 from solver.following.skeleton import Skeleton
 from solver.scene import PARAMETERS
 
-TITLE, ORDER, FIGURES = "Map of regimes", 6, ("map",)
+TITLE, ORDER = "Map of regimes", 6
 COLUMNS, ROWS = 33, 25
 AT_ONCE = 8  # points that a visitor waits for: enough for all workers; later ones start from more known points
 AXES = {  # axes to choose from: label, low, high, whether logarithmic, ticks
@@ -51,19 +47,6 @@ metrics.gauge("skeletons_bytes", "bytes of the states of maps in the cache", lam
 MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
-
-
-def compose() -> list[Any]:
-    """Return the map over numbers of columns and rows, as its axes may be logarithmic."""
-    bounds = (-0.5, -0.5, COLUMNS - 0.5, ROWS - 0.5)
-    plot = blank("regimes_map", "x", "y", (bounds[0], bounds[2]), (bounds[1], bounds[3]))
-    draw_image(plot, "map", bounds=bounds, palette=cividis(256))
-    draw(plot, Line, "outline", "--cut", "i", "j", line_width=3)
-    look = {"text_color": "white", "text_align": "center", "text_baseline": "middle", "text_font_size": "14px"}
-    look |= {"background_fill_color": "black", "background_fill_alpha": 0.6}
-    draw(plot, Text, "names", "", "i", "j", "name", **look)
-    draw(plot, Scatter, "own", "--cut", "i", "j", marker="diamond", size=14)
-    return [plot]
 
 
 class Page(Sheet):
@@ -131,7 +114,6 @@ class Page(Sheet):
     def _begin(self, grid):
         self.sweep.cancel()
         self.grid, self.known = grid, {}
-        self._name_axes()
         self._ask_anew()
 
     def _ask_anew(self):
@@ -165,13 +147,6 @@ class Page(Sheet):
 
     # drawing
 
-    def _name_axes(self):
-        figure = self.views["map"].figure
-        for axis, ruler in zip((self.grid.x, self.grid.y), (figure.xaxis[0], figure.yaxis[0]), strict=True):
-            label, *_, values = AXES[axis.name]
-            labels = {_place(axis, value): f"{value:g}".replace("-", "−") for value in values}
-            ruler.update(ticker=FixedTicker(ticks=list(labels)), major_label_overrides=labels, axis_label=label)
-
     def _draw(self):
         if self.grid is None:
             return
@@ -181,16 +156,7 @@ class Page(Sheet):
         if points:  # unknown points take the value of the nearest known one
             nearest = tuple(distance_transform_edt(codes < 0, return_distances=False, return_indices=True))
             image, codes = image[nearest].astype(np.float32), codes[nearest]
-        self.draw("map", "map", image=[image])
-        low, high = limits(image)
-        self.views["map"].parts["map"].glyph.color_mapper.update(low=low, high=max(high, low + 1e-9))
         regimes = codes if self.grid.scene.path == "shear" else np.full_like(codes, -1)
-        outline = outlines(regimes)
-        self.draw("map", "outline", i=outline[0], j=outline[1])
-        names = labels(regimes)
-        self.draw("map", "names", **{key: [one[k] for one in names] for k, key in enumerate(("i", "j", "name"))})
-        own = self._place_of(self.session.scene)
-        self.draw("map", "own", i=own[:1], j=own[1:])
         self._describe(points, image, regimes)
 
     def _describe(self, points, image, codes):
@@ -215,10 +181,29 @@ class Page(Sheet):
             }
         done = len(points) / self.grid.size if self.sweep.waiting else None
         stopped = len(points) < self.grid.size and done is None
-        axes = [{"name": axis.name, "values": axis.values.tolist()} for axis in (self.grid.x, self.grid.y)]
-        read = {"axes": axes, "codes": codes.ravel().tolist(), "names": [*REGIMES, ""]}  # -1: none
         texts = {f"regimes-{name}": text for name, text in legend.items()}
-        self.publish(texts=texts, busy=done, hidden={"regimes-resume": not stopped}, unit=unit, **read)
+        self.publish(texts=texts, busy=done, hidden={"regimes-resume": not stopped}, map=self._map(image, ends, codes))
+        self.publish(own=self._place_of(self.session.scene))
+
+    def _map(self, image, ends, codes):
+        """Return what the browser draws, over numbers of columns and rows, as axes may be logarithmic."""
+        return {
+            "axes": [_axis(axis) for axis in (self.grid.x, self.grid.y)],
+            "values": [value if np.isfinite(value) else None for value in image.ravel().tolist()],
+            "limits": (ends[0], max(ends[1], ends[0] + 1e-9)),
+            "of": QUANTITIES[self.of],
+            "codes": codes.ravel().tolist(),
+            "kinds": REGIMES,  # by code; -1: none
+            "outline": outlines(codes),
+            "names": labels(codes),
+        }
+
+
+def _axis(axis):
+    """Return what the browser draws of an Axis."""
+    label, *_, ticks = AXES[axis.name]
+    texts = [(_place(axis, value), f"{value:g}".replace("-", "−")) for value in ticks]
+    return {"name": axis.name, "label": label, "values": axis.values.tolist(), "ticks": texts}
 
 
 def _place(axis, value):
@@ -253,12 +238,12 @@ def labels(codes: NDArray[Any]) -> list[tuple[float, float, str]]:
     return found
 
 
-def outlines(codes: NDArray[Any]) -> tuple[list[float], list[float]]:
-    """Return (i, j) of lines between known, different cells of codes (rows, columns), with nan after each line."""
-    i, j = [], []
-    for axis, corner in ((1, ((0.5, -0.5), (0.5, 0.5))), (0, ((-0.5, 0.5), (0.5, 0.5)))):
+def outlines(codes: NDArray[Any]) -> list[tuple[float, float, float, float]]:
+    """Return lines (i, j, i, j) between known, different cells of codes (rows, columns)."""
+    found = []
+    for axis, half in ((1, (0.0, 0.5)), (0, (0.5, 0.0))):
         one, other = (np.take(codes, range(k, codes.shape[axis] - 1 + k), axis) for k in (0, 1))
-        for row, column in np.argwhere((one != other) & (one >= 0) & (other >= 0)):
-            i += [column + di for di, _ in corner] + [np.nan]
-            j += [row + dj for _, dj in corner] + [np.nan]
-    return i, j
+        for j, i in np.argwhere((one != other) & (one >= 0) & (other >= 0)):
+            x, y = i + 0.5 - half[0], j + 0.5 - half[1]
+            found.append((x - half[0], y - half[1], x + half[0], y + half[1]))
+    return found

@@ -35,14 +35,22 @@ function stepFor(length, most) {
   return [1, 2, 5, 10].map((times) => times * ten).find((step) => step >= least * (1 - 1e-9))
 }
 
-// Numbers of an axis within a range, at most so many: [value, text]
-export function ticksOf({ start, end }, most) {
+// Numbers of an axis within a range, at most so many: [value, text]; of those that it has itself every second or so
+export function ticksOf({ start, end, ticks }, most) {
+  if (ticks) return ticks.filter((_, i) => i % Math.ceil(ticks.length / most) === 0)
   const step = stepFor(end - start, most), places = Math.max(0, -Math.floor(Math.log10(step) + 1e-9))
   const first = Math.ceil(start / step - 1e-9), count = Math.floor(end / step + 1e-9) - first + 1
   return Array.from({ length: Math.max(0, count) }, (_, i) => {
     const value = (first + i) * step
     return [value, minus((value || 0).toFixed(places))]
   })
+}
+
+// The value that an image shows at a place {x, y}; NaN where it shows none
+export function valueAt({ picture, values, rows, columns, x, y, wide, high }, place) {
+  const column = Math.floor(((place.x - x) / wide) * columns), row = Math.floor(((place.y - y) / high) * rows)
+  const inside = picture && column >= 0 && column < columns && row >= 0 && row < rows
+  return inside ? values[row * columns + column] : NaN
 }
 
 // Painters of the kinds of parts; thick: how many times as thick as on a desk
@@ -125,9 +133,9 @@ const PAINTERS = {
   across(pen, box, { ink }, thick) {
     PAINTERS.line(pen, { X: (x) => x, Y: box.Y }, { x: [box.left, box.left + box.width], y: [0, 0], ink }, thick)
   },
-  upright(pen, box, { at, ink, width }, thick) {
+  upright(pen, box, { at, ...look }, thick) {
     const ends = [box.top, box.top + box.height]
-    PAINTERS.line(pen, { X: box.X, Y: (y) => y }, { x: [at, at], y: ends, ink, width }, thick)
+    PAINTERS.line(pen, { X: box.X, Y: (y) => y }, { x: [at, at], y: ends, ...look }, thick)
   },
   // {draw}: what another script draws
   drawing(pen, box, { draw }) { draw(pen, box) },
@@ -200,7 +208,8 @@ export class Chart {
 
   #paintAxes(pen, { left, top, width, height, X, Y }) {
     const size = textSize(), bottom = top + height
-    const upright = ticksOf(this.y, Math.max(2, Math.min(MOST, Math.floor(height / (DOWN * size)))))
+    const rows = Math.min(this.y.ticks ? Infinity : MOST, Math.floor(height / (DOWN * size)))
+    const upright = ticksOf(this.y, Math.max(2, rows))
     const along = ticksOf(this.x, Math.max(2, Math.floor(width / (ACROSS * size))))
     const stroke = (ink, alpha, path) => {
       pen.strokeStyle = colour(ink)
@@ -236,7 +245,7 @@ export class Chart {
     pen.save()
     pen.translate(Math.max(0.6 * size + 1, left - TICK - 8 - wide - 0.7 * size), top + height / 2) // all of it in sight
     pen.rotate(-Math.PI / 2)
-    pen.fillText(this.up, 0, 0)
+    pen.fillText(this.up, 0, 0, height + 2 * TOP)
     pen.restore()
   }
 

@@ -1,4 +1,4 @@
-// The four charts of the experiment: the punch, forces and area over the path, and the map of tractions.
+// The charts of the experiment: the punch, forces and area over the path, and the map of tractions. Pages add theirs.
 
 import { Chart } from "./chart.js"
 import { isShown } from "./colours.js"
@@ -9,29 +9,34 @@ export const charts = {} // {name: Chart}
 globalThis.charts = charts // for the console, and for tests
 const DASHED = [6, 4]
 const SLIP = { kind: "marks", marker: "diamond", size: 9, ink: "--slip", hollow: true } // hollow: peaks stay visible
-const none = { x: [], y: [] }
-const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
+export const none = { x: [], y: [] }
+export const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
 const pins = () => ({ kind: "lines", list: [] })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
 const drawing = () => ({ kind: "drawing", draw: () => {} })
 const measured = (ink) => ({ kind: "marks", marker: "circle", size: 5, hollow: true, ink, ...none })
 const ways = () => ({ kind: "marks", marker: "right", size: 11, ink: "--text", ...none }) // heads along a curve
 
-const view = (name) => document.querySelector(`.view[data-view="${name}"]`)
+// {name: marks, which are none yet} of declared ones, the most important of which is first there, and painted last
+export const marksOf = (declared) => Object.fromEntries(Object.entries(declared).toReversed().map(
+  ([name, { mark, marker, size, colour }]) => (
+    [name, { kind: "marks", marker, size, hollow: mark === "slip", ink: colour, ...none }])))
 
-// nodes: {state: how it is drawn}, the most important first
+export function addChart(name, made) {
+  charts[name] = new Chart(document.querySelector(`.view[data-view="${name}"]`), made)
+}
+
+// nodes: {state: how it is drawn}
 export function makeCharts(nodes) {
   const place = { start: -250, end: 250 }, path = { start: 0, end: 40 }
-  const states = Object.entries(nodes).toReversed().map(([state, { marker, size, colour }]) =>
-    [state, { kind: "marks", marker, size, ink: colour, ...none }])
-  charts.punch = new Chart(view("punch"), { x: { ...place }, y: { start: -1.2, end: 7 },
+  addChart("punch", { x: { ...place }, y: { start: -1.2, end: 7 },
     across: "x on the substrate, from the middle (nm)", up: "height (nm)", parts: {
       fringes: { kind: "image", picture: null, smooth: true }, substrate: { kind: "below", ink: "--text", alpha: 0.12 },
       body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
-      sites: line("--text", { width: 2.5 }), ...Object.fromEntries(states), pins: pins(),
+      sites: line("--text", { width: 2.5 }), ...marksOf(nodes), pins: pins(),
       story: drawing(), page: drawing(),
     } })
-  charts.forces = new Chart(view("forces"), { x: { ...path }, y: { start: -1, end: 2 },
+  addChart("forces", { x: { ...path }, y: { start: -1, end: 2 },
     across: "", up: "F, L (N/m)", parts: {
       zero: { kind: "across", ink: "--grid" }, pins: pins(),
       ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
@@ -39,11 +44,11 @@ export function makeCharts(nodes) {
       F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
       slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
     } })
-  charts.area = new Chart(view("area"), { x: { ...path }, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
+  addChart("area", { x: { ...path }, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
     pins: pins(), ghost_A: line("--ghost", { width: 3 }), laid_A: measured("--pin-1"), A: line("--area", { width: 2 }),
     slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
   } })
-  charts.map = new Chart(view("map"), { x: { ...path }, y: { ...place }, across: "", up: "x (nm)", parts: {
+  addChart("map", { x: { ...path }, y: { ...place }, across: "", up: "x (nm)", parts: {
     map: { kind: "image", picture: null }, unrested: { kind: "stripes", list: [], ink: "--free" },
     branch: line("--text", { dash: DASHED }), // edges of the contact in other stages
     pins: pins(), slips: { ...SLIP, ...none }, cursor: cursor(),

@@ -1,6 +1,7 @@
 // Colours, all of them from style.css, what of the page is visible, and the shades of maps.
 
 const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
+const LEVELS = 4 // colours of style.css, between which levels are mixed
 
 const TEXT = 0.88 // of the text of the page
 // Variables of the page's styles, whether elements are visible, and their sizes: to ask lays the page out
@@ -37,25 +38,36 @@ export const textSize = () => (
 
 export const theme = () => document.documentElement.dataset.theme
 
+const mixed = (from, to, part) => (
+  `#${from.map((v, i) => Math.round(v + part * (to[i] - v)).toString(16).padStart(2, "0")).join("")}`)
+
 // Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a
-// whole number of them on either side of zero, hence the limits of the mapper lie up to a step beyond low and high.
+// whole number of them on either side of zero, hence the limits lie up to a step beyond low and high.
 export function shades(low, high) {
   const step = Math.max(Math.min(-low, high) / SHADES, (high - low) / MOST)
   const ramp = (name, end) => {
     const [from, to] = [0, 1].map((i) => bytes(`--${name}-${i}`))
-    const mixed = (t) => from.map((v, i) => Math.round(v * (1 - t) + to[i] * t).toString(16).padStart(2, "0")).join("")
-    const mixtures = Array.from({ length: SHADES }, (_, i) => `#${mixed(i / (SHADES - 1))}`)
+    const mixtures = Array.from({ length: SHADES }, (_, i) => mixed(from, to, i / (SHADES - 1)))
     const shade = (i) => mixtures[Math.min(SHADES - 1, Math.floor(((i + 0.5) * step * SHADES) / end))]
     return Array.from({ length: Math.ceil(end / step - 1e-9) }, (_, i) => shade(i))
   }
   const under = ramp("pull", -low), over = ramp("push", high)
-  return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over],
-    nan_color: "rgba(0,0,0,0)" }
+  return { low: -step * under.length, high: step * over.length, palette: [...under.toReversed(), ...over] }
 }
 
-// A canvas with a pixel for each of the values (rows, columns), shaded by `shades`; those that are NaN are left free
-export function pictureOf(values, [rows, columns], limits) {
-  const { low, high, palette } = shades(...limits), step = (high - low) / palette.length
+// Shades from the least value to the largest
+export function levels(low, high) {
+  const stops = Array.from({ length: LEVELS }, (_, i) => bytes(`--level-${i}`))
+  const palette = Array.from({ length: 2 * SHADES }, (_, i) => {
+    const at = (i / (2 * SHADES - 1)) * (LEVELS - 1), from = Math.min(Math.floor(at), LEVELS - 2)
+    return mixed(stops[from], stops[from + 1], at - from)
+  })
+  return { low, high, palette }
+}
+
+// A canvas with a pixel for each of the values (rows, columns), shaded; those that are NaN are left free
+export function pictureOf(values, [rows, columns], { low, high, palette }) {
+  const step = (high - low) / palette.length
   const inks = Uint32Array.from(palette, (text) => {
     const [red, green, blue] = [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
     return (0xff000000 | (blue << 16) | (green << 8) | red) >>> 0

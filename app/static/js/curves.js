@@ -1,10 +1,10 @@
 // The curves and the map of the run on screen, into their charts.
 
+import { valueAt } from "./chart.js"
 import { charts, chartShown, dashLoad } from "./charts.js"
-import { nice, pictureOf } from "./colours.js"
+import { nice, pictureOf, shades } from "./colours.js"
 import { by, tell } from "./dom.js"
-import { tellLimits } from "./figures.js"
-import { fixed, named } from "./quantities.js"
+import { digits, fixed, named } from "./quantities.js"
 import { me } from "./store.js"
 import { tellStart } from "./words.js"
 
@@ -135,10 +135,7 @@ export function connectCurves() {
   charts.map.says = ({ x, y }) => {
     const { map } = charts.map.parts
     if (!map.picture) return null
-    const column = Math.floor(((x - map.x) / map.wide) * map.columns)
-    const row = Math.floor(((y - map.y) / map.high) * map.rows)
-    const inside = column >= 0 && column < map.columns && row >= 0 && row < map.rows
-    const T = inside ? map.values[row * map.columns + column] : NaN, here = [where(x), `x = ${fixed(y, 0)} nm`]
+    const T = valueAt(map, { x, y }), here = [where(x), `x = ${fixed(y, 0)} nm`]
     if (T === T) return [...here, `Tₙ = ${fixed(T, 3)} GPa`]
     return me.run.whole ? [...here, "free"] : here // what is not computed yet is not free
   }
@@ -148,7 +145,7 @@ export function drawMap(run, shown) {
   if (run.sheared < 0 || !chartShown("map")) return
   const { image: values, rows, columns, start, low, step, unrested } = run.map(shown), chart = charts.map
   limitShades(run)
-  const limits = [-ends[0], ends[1]], picture = pictureOf(values, [rows, columns], limits)
+  const limits = [-ends[0], ends[1]], picture = pictureOf(values, [rows, columns], shades(...limits))
   chart.fill("map", { picture, limits, values, rows, columns,
     x: start - step / 2, y: low, wide: columns * step, high: rows * run.head.spacing })
   chart.fill("unrested", { list: unrested })
@@ -158,6 +155,12 @@ export function drawMap(run, shown) {
   by("branch").hidden = !y.some((place) => place === place)
   const [loads] = run.slips("F_bar", run.stageOfMap(shown), run.approaching(shown))
   chart.fill("slips", { x: loads, y: loads.map(() => 0.94 * chart.y.start) })
+}
+
+// The limits of the colours of a chart, GPa, in its key
+export function tellLimits(chart, low, high) {
+  tell(by(`${chart}-low`), digits(low, 2))
+  tell(by(`${chart}-high`), `+${digits(high, 2)} GPa`)
 }
 
 const ends = [0, 0] // GPa, at which the colours of the map end

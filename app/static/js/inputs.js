@@ -2,11 +2,12 @@
 
 import { namesScene } from "./address.js"
 import { sendFile } from "./channel.js"
-import { charts, CURVES } from "./charts.js"
+import { charts } from "./charts.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
+import { connectChart } from "./pointing.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
@@ -93,28 +94,6 @@ function onKey(event) {
 
 async function slowMotion() {
   if (!me.run?.stored) (await fetched(() => import("./later/film.js")))?.slowMotion()
-}
-
-// Beside the mouse a chart says what is there. On a curve, that increment is shown in every view while playback rests,
-// and a click goes there
-function connectChart(name) {
-  const chart = charts[name], { view } = chart, curve = CURVES.includes(name)
-  const px = (event) => {
-    const { left, top } = view.getBoundingClientRect()
-    return { x: event.clientX - left, y: event.clientY - top }
-  }
-  const there = (at) => (me.run?.sheared >= 0 && chart.box ? me.run.nearest(chart.placeOf(at).x, me.at) : null)
-  const point = (at) => {
-    me.pointed = at && { name, ...at }
-    if (curve && !me.playing) me.preview = at && there(at)
-  }
-  view.addEventListener("pointermove", (event) => { if (event.pointerType !== "touch") point(px(event)) })
-  view.addEventListener("pointerleave", () => point(null))
-  if (!curve) return
-  view.addEventListener("click", (event) => {
-    const k = there(px(event))
-    if (k !== null) goto(k)
-  })
 }
 
 // A file dropped on the page is a measured curve

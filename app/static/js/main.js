@@ -1,7 +1,6 @@
 // The browser's half of the app. The page imports this file alone and calls `start`.
 
 import * as address from "./address.js"
-import { useIndex } from "./bokeh.js"
 import * as channel from "./channel.js"
 import { charts, makeCharts, shareAxis } from "./charts.js"
 import { readAgain } from "./colours.js"
@@ -9,7 +8,6 @@ import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
 import { by, takeFromTab } from "./dom.js"
 import * as draw from "./draw.js"
-import { paint } from "./figures.js"
 import { connectFringes } from "./fringes.js"
 import * as inputs from "./inputs.js"
 import { connectInside } from "./inside.js"
@@ -22,13 +20,13 @@ import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
 import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
-import { alone, declared, embedded, me, redraw, view } from "./store.js"
+import { alone, declared, embedded, me, view } from "./store.js"
 
 // What the server declares: looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
 // {slider: values} and reach (of server_log.py)
 export function start() {
   Object.assign(declared, JSON.parse(by("declarations").textContent))
-  makeCharts(declared.nodes)
+  makeCharts(declared.marks.punch)
   connectCurves()
   address.connect()
   inputs.connect()
@@ -38,7 +36,6 @@ export function start() {
   view(["look"], () => {
     readAgain()
     shareAxis()
-    paint()
   })
   view(["pointed"], () => {
     for (const name in charts) charts[name].point(me.pointed?.name === name ? me.pointed : null)
@@ -46,15 +43,13 @@ export function start() {
   status.connect()
   player.connect()
   draw.connect()
-  pages.connect() // their figures are painted with the same picture
+  pages.connect()
   connectSlips()
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)
   channel.take("beside", pages.receive, pages.read)
   player.connectStored()
-  const resized = new ResizeObserver(redraw) // what rests is drawn anew, in the size of the text there
-  for (const name in charts) resized.observe(charts[name].view)
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
@@ -81,8 +76,6 @@ function connect(model) {
   channel.connect(model)
   if (there) return
   there = true
-  useIndex(globalThis.Bokeh.index)
-  pages.place(model.document)
   connection.connect()
   opened()
 }

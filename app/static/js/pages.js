@@ -1,19 +1,18 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
-// app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), opened(), receive(news),
-// which are {} as it closes, frame(run, k) with every frame, and over(pen, box, run, k) over the punch.
+// app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), where it adds its charts,
+// receive(news), also in another look, which are {} as it closes, frame(run, k) with every frame, and
+// over(pen, box, run, k) over the punch.
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
-import { release } from "./bokeh.js"
 import { charts } from "./charts.js"
 import { by, fetched, readdress } from "./dom.js"
-import { adopt, drawn, forget, shade } from "./figures.js"
+import { connectChart } from "./pointing.js"
 import { declared, me, redraw, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
-const slots = {} // figure: where it goes
-let sheet = { open: "", figures: [] } // the last message of the server on the open page
+let sheet = { open: "" } // the last message of the server on the open page
 let picking = 0
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
@@ -24,14 +23,9 @@ export function connect() {
   }
   for (const link of document.querySelectorAll("nav a")) link.addEventListener("click", bringScene)
   addEventListener("popstate", showAddressed)
-  view(["look"], shadeImages)
+  view(["look"], () => call("receive", sheet))
   view(["picture"], () => framePage("frame"))
   charts.punch.fill("page", { draw: (...punch) => framePage("over", ...punch) })
-}
-
-// Where figures go, in a document
-export function place(document) {
-  for (const root of document.roots()) if (root.name !== "Stage") slots[root.name] = root
 }
 
 // A research page opens with the scene on screen
@@ -91,49 +85,32 @@ async function load(name) {
   const script = await fetched(() => import(`../../pages/${name}/page.js`))
   if (!script || name in modules) return
   modules[name] = script
+  const before = { ...charts }
   script.connect?.()
+  for (const added in charts) if (!(added in before)) connectChart(added)
 }
 
 // What a message holds, once the script of its page is there
 export async function read(message) {
-  const news = { open: "", figures: [], ...message }
-  await load(news.open)
-  return news
+  await load(message.open ?? "")
+  return { open: "", ...message }
 }
 
 export function receive(news) {
   if (sheet.open !== news.open) {
-    if (news.figures.some((name) => !slots[name].children.length)) return // closed since, as the next message says
     call("receive", {})
-    redraw() // in this theme, and without what the page has drawn over the punch
-    sheet.figures.forEach(forget)
-    if (sheet.figures.length) release(slots[sheet.figures[0]].document)
     sheet = news
-    for (const name of sheet.figures) adopt(name, slots[name].children[0])
-    call("opened")
-    awaitFigures(sheet.open)
-  }
-  sheet = news
+    redraw() // in this theme and size, and without what the page before has drawn over the punch
+  } else sheet = { ...sheet, ...news }
   for (const id in sheet.texts) by(id).textContent = sheet.texts[id]
   for (const id in sheet.hidden) by(id).hidden = sheet.hidden[id]
-  shadeImages()
   for (const part of by(sheet.open)?.querySelectorAll("progress, [data-ask=cancel]") ?? []) {
     part.hidden = (sheet.busy ?? null) === null
     part.value = sheet.busy ?? 0
   }
+  if (news.open) delete by(news.open).dataset.drawing
   call("receive", sheet)
   framePage("frame")
-}
-
-// Until the figures are on screen, the page says so
-function awaitFigures(name) {
-  if (!name || sheet.open !== name) return
-  if (drawn(sheet.figures)) delete by(name).dataset.drawing
-  else requestAnimationFrame(() => awaitFigures(name))
-}
-
-function shadeImages() {
-  for (const name in sheet.images) shade(...name.split("."), ...sheet.images[name])
 }
 
 // The increment on screen, for the page

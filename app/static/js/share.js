@@ -1,12 +1,10 @@
 // The sheet of what can be taken away
 
 import { linkTo, opensElsewhere } from "./address.js"
-import { holderOf, pictureOf } from "./bokeh.js"
 import { order, take } from "./channel.js"
 import { charts } from "./charts.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
-import { figures } from "./figures.js"
 import { digits, fixed } from "./quantities.js"
 import { declared, me } from "./store.js"
 import { parameters } from "./words.js"
@@ -36,17 +34,14 @@ const frameOf = (link) =>
   `<iframe src="${escaped(link)}${link.includes("?") ? "&amp;" : "?"}embed=1" width="960" height="600"></iframe>`
 
 // Views that are on screen: [name, title]
-const holder = (name) => charts[name]?.view ?? holderOf(figures[name])
-const views = () => [...Object.keys(charts), ...Object.keys(figures)].flatMap((name) => {
-  const view = holder(name)
-  return view?.clientWidth && view.clientHeight ? [[name, titleOf(view)]] : []
-})
+const views = () => Object.entries(charts).flatMap(([name, { view }]) => (
+  view.clientWidth && view.clientHeight ? [[name, titleOf(view)]] : []))
 const captionOf = (view) => view.closest("figure")?.querySelector("figcaption")
 const titleOf = (view) => (captionOf(view)?.querySelector("b") ?? captionOf(view))?.textContent.trim() ?? "view"
 
 // A view as it is on screen
 export async function png(name) {
-  const drawn = charts[name]?.canvas ?? pictureOf(figures[name]), { width, height } = drawn
+  const drawn = charts[name].canvas, { width, height } = drawn
   const canvas = make("canvas", { width, height }), pen = canvas.getContext("2d")
   pen.fillStyle = colour("--page")
   pen.fillRect(0, 0, width, height)
