@@ -177,34 +177,6 @@ def headed(head: dict[str, Any], body: bytes) -> bytes:
     return struct.pack("<I", len(text)) + text + body
 
 
-def header(block: bytes) -> dict[str, Any]:
-    """What `pack` wrote in front of a block."""
-    length = struct.unpack_from("<I", block)[0]
-    return json.loads(block[4 : 4 + length])
-
-
-def columns(block: bytes) -> tuple[dict[str, Any], dict[str, NDArray[np.float32]]]:
-    """(header, {column: (n,)}) of a packed block."""
-    head = header(block)
-    n, count = head["frames"], len(head["columns"])
-    changes = np.frombuffer(zlib.decompressobj().decompress(_body(block), 4 * count * n), "<i4").reshape(count, n)
-    return head, dict(zip(head["columns"], np.cumsum(changes, axis=1, dtype="<i4").view("<f4"), strict=True))
-
-
-def unpack(block: bytes) -> tuple[dict[str, Any], dict[str, NDArray[np.float32]], dict[str, NDArray[np.int16]]]:
-    """(header, {column: (n,)}, {field: (k, m), int16 in steps, of the frames and nodes kept}) of a packed block."""
-    head, curves = columns(block)
-    (n, m), start = (len(head["kept"][of]) for of in ("frames", "nodes")), 4 * len(curves) * head["frames"]
-    changes = np.frombuffer(zlib.decompress(_body(block)), "<i2", offset=start).reshape(len(FIELDS), n, m)
-    fields = np.cumsum(np.cumsum(changes, axis=2, dtype="<i2"), axis=1, dtype="<i2")
-    return head, curves, dict(zip(head["scales"], fields, strict=True))
-
-
-def _body(block):
-    """What follows the header of a block."""
-    return memoryview(block)[4 + struct.unpack_from("<I", block)[0] :]
-
-
 def _span(scene):
     """[lowest, highest] of what is drawn along, nm: see `load_steps.abscissa`."""
     if scene.legs:

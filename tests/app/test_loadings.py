@@ -3,11 +3,12 @@
 import io
 import json
 
+import blocks
 import numpy as np
 import pytest
 from visitor import Page, messages, order, send_file, slices
 
-from app.service import packing, tasks
+from app.service import tasks
 from app.session.controls import values_of
 from app.session.share import python_lines
 from solver import Scene, load_path
@@ -45,7 +46,7 @@ def test_work_of_a_loop_does_not_depend_on_slicing(page):
     works = []
     for piece in slices(scene, 0.005):
         for block in piece.blocks:
-            works += list(packing.columns(block)[1]["work"])
+            works += list(blocks.columns(block)[1]["work"])
     assert np.asarray(works) == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 

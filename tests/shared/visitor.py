@@ -7,11 +7,12 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from math import inf
 
+import blocks
 import numpy as np
 
 from app.experiment import Experiment
 from app.pages import Pages
-from app.service import packing, worker
+from app.service import worker
 from app.service.jobs import Jobs
 from app.service.pool import Task
 from app.stage import Stage
@@ -105,7 +106,7 @@ def slices(scene, budget, **how):
 
 def unpacked(block):
     """(header, columns, fields in nm and GPa) of a packed block, by name."""
-    head, columns, fields = packing.unpack(block)
+    head, columns, fields = blocks.unpack(block)
     whole, kept = {}, head["kept"]
     for (name, few), step in zip(fields.items(), kept["steps"], strict=True):
         at_nodes = _filled(few.T, kept["nodes"], head["nodes"]).T
