@@ -1,6 +1,6 @@
 """Names, marks and colours of curves and nodes. Python, templates and scripts share these declarations.
 
-Colours are variables of style.css, marks are its classes; markers are those of Bokeh and of chart.js.
+Colours are variables of style.css, marks are its classes; markers are those of chart.js.
 service/packing.py declares the columns and fields of packed frames.
 """
 

@@ -22,6 +22,7 @@ SCRIPT = """
         document.dispatchEvent(new CustomEvent("stage", { detail: model }))
     }
 """
+EMPTY, MAKE = "this Stage has no result", "make it by Stage(simulate(Scene()))"
 
 
 class Stage(JSComponent):
@@ -39,7 +40,9 @@ class Stage(JSComponent):
     sheet = param.Dict({}, doc="what is shared: link, python, qr")
     file = param.Dict({}, doc="a run in full precision: ending, body (bytes), why")
     slip = param.Dict({}, doc="states of the transient of a slip: frame, body (bytes); or why there are none")
-    table = param.Dict({}, doc="a table from tractions to stress in the layer: asked, depth, counts, scale, body")
+    table = param.Dict(
+        {}, doc="a table from tractions to stress in the layer: asked, geometry, depth, counts, scale, body"
+    )
     trace = param.Dict({}, doc="the profile in a file, with a question: trace, why")
     measured = param.Dict({}, doc="a measured curve: curve, key; or why the file has none")
     lesson = param.Dict({}, doc="the class of this visitor: code, stop, phase, answered, counts")
@@ -72,7 +75,7 @@ class Stage(JSComponent):
     def save(self, path: str | Path, *_: Any, **__: Any) -> None:  # type: ignore[override]
         """Write the file of the Result. Raises OSError where it cannot be written, ValueError without a Result."""
         if not self._page:
-            raise ValueError("this Stage has no result to save; make it by Stage(simulate(Scene()))")
+            raise ValueError(f"{EMPTY} to save; {MAKE}")
         Path(path).write_text(self._page, encoding="utf-8")
 
     def _repr_mimebundle_(self, *_: Any, **__: Any) -> Any:
@@ -80,7 +83,7 @@ class Stage(JSComponent):
         return {"text/html": self._repr_html_()}, {}
 
     def _repr_html_(self) -> str:
-        return alone.framed(self._page, self._title)
+        return alone.framed(self._page, self._title) if self._page else f"<p>{EMPTY} to show; {MAKE}</p>"
 
     _esm = SCRIPT
     # Panel waits 50 ms for other changes, unless they are of these

@@ -114,7 +114,10 @@ class Pages:
     def scene_changed(self) -> None:
         """The experiment shows another scene from now on."""
         if self.page is not None:
-            self.page.scene_changed()
+            try:
+                self.page.scene_changed()
+            except Exception:  # the run goes on without the page
+                log.exception("the page %s failed", self.name)
 
     def order(self, **values: Any) -> None:
         """Pass an order from the browser to the open page."""

@@ -24,7 +24,7 @@ PARTS = 5  # of a message: header, metadata, content; for a file also its header
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
 SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
-CHANGES = {"ModelChanged", "MessageSent"}  # of widgets, and clicks
+CHANGES = {"ModelChanged", "MessageSent"}  # of the Stage, of widgets of research pages, and clicks
 
 connected = set()  # ids of the sessions whose browsers are connected
 opened = set()  # ids of the sessions whose pages were sent, and whose browsers may still connect

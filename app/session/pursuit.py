@@ -89,8 +89,8 @@ class Pursuit:
 
     def request(self, request: Request) -> None:
         """Show the run of a Request, at once or after the job in progress."""
-        self.session.pages.scene_changed()
         self.requested, self.held, self.overdue, self.rested = request, request.held, False, False
+        self.session.pages.scene_changed()
         self.wake.step()
         if self.requested is request and self.state == "exact":
             self.session.doc.add_timeout_callback(on_loop(self._time_out, request), round(1000 * PATIENCE))

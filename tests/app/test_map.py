@@ -128,6 +128,16 @@ def test_map_title_names_the_displayed_quantity(session):
     assert session.pages.page.published["texts"]["regimes-quantity"] == "load L at pull-off"
 
 
+def test_a_map_that_could_not_be_drawn_is_begun_again(session):
+    order(session, "page", page="regimes")
+    order(session, "ask", what="of", of="L_min")
+    page = session.pages.page
+    session.show(Scene(hold="load"), "fig6")  # whose punch cannot be raised
+    assert page.published["texts"]["regimes-text"].startswith("Not drawn") and page.published["busy"] is None
+    session.show(Scene(), "fig6")
+    assert page.published["busy"] is not None and len(page.sweep.waiting) == AT_ONCE
+
+
 def test_swapped_axes_make_a_new_map(session):
     order(session, "page", page="regimes")
     order(session, "ask", what="axes", x="phi_ratio", y="delta_bar")

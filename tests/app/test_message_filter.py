@@ -336,6 +336,20 @@ def test_every_order_is_acknowledged(session):
         assert session.status["acknowledged"] == number
 
 
+def test_an_error_of_an_order_beside_the_run_is_a_note_and_leaves_the_run(session, caplog, monkeypatch):
+    say(session, HELLO)
+    monkeypatch.setattr(session.pages, "open", lambda page: 1 / 0)
+    say(session, '{"do":"page","page":"law"}')
+    assert "ZeroDivisionError" in caplog.text and session.run.state != "failed"
+    assert "its log describes. The run on screen stays." in session.status["notes"][0]
+
+
+def test_nothing_keeps_the_file_of_an_order_that_is_refused(session):
+    session.stage.profile = {"n": 1, "content": b"1,2", "unit": 3}
+    session.obey("profile", session.stage.profile)
+    assert session.stage.profile == {}
+
+
 def test_a_programming_error_is_logged_but_not_shown_to_visitors(session, caplog, monkeypatch):
     say(session, HELLO)
     monkeypatch.setattr("app.session.controls.changed_scene", lambda *_: 1 / 0)

@@ -77,6 +77,24 @@ def test_sweep_of_a_path_that_sets_its_own_depth_says_why_there_is_none(session)
     assert session.pages.page.published["texts"]["load-why"].startswith("No sweep: delta_bar")
 
 
+def test_points_of_a_sweep_have_its_number_and_clearing_begins_another(session):
+    """A message under way would bring back what a visitor has cleared."""
+    order(session, "page", page="load")
+    numbers = [session.pages.page.published["sweep"]]
+    for what in ("sweep", "clear", "clear"):
+        order(session, "ask", what=what)
+        numbers.append(session.pages.page.published["sweep"])
+    assert numbers == [0, 1, 2, 3]
+
+
+def test_a_page_that_fails_leaves_the_run_alone(session, caplog, monkeypatch):
+    order(session, "hello")
+    order(session, "page", page="law")
+    monkeypatch.setattr(session.pages.page, "scene_changed", lambda: 1 / 0)
+    order(session, "scene", E="80")
+    assert session.pursuit.scene.E == 80.0 and session.run.state != "failed" and "ZeroDivisionError" in caplog.text
+
+
 def test_an_unknown_page_is_named_in_a_note(session):
     order(session, "hello")
     sent = messages(session)

@@ -34,3 +34,7 @@ def test_a_stage_without_a_result_is_not_saved(tmp_path):
     with pytest.raises(ValueError, match="no result"):
         Stage().save(tmp_path / "punch.html")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_stage_without_a_result_says_so_in_a_notebook():
+    assert "no result" in Stage()._repr_html_() and "iframe" not in Stage()._repr_html_()

@@ -199,6 +199,14 @@ def test_hovering_previews_and_clicking_selects_an_increment(look):
     page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
     page.mouse.move(5, 5)
     page.wait_for_function(f"punch.at > {at} + 50 && punch.preview === null")
+    page.keyboard.press("Home")
+    page.mouse.move(box["x"] + 0.8 * box["width"], box["y"] + 0.4 * box["height"])
+    page.wait_for_function("punch.preview !== null")
+    page.keyboard.press(" ")  # it plays on, although the mouse rests on a curve
+    page.wait_for_function("punch.playing && punch.preview === null && punch.at > 1")
+    page.mouse.move(5, 5)
+    page.keyboard.press(" ")
+    page.wait_for_function("!punch.playing")
 
 
 def test_an_invalid_entry_shows_the_range_and_keeps_the_run(look):

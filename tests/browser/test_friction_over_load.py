@@ -102,6 +102,7 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     has_points(page, 2)
     page.locator("#load-clear").click()
     has_points(page, 0)
+    page.wait_for_function("!charts.load_slips.changed")
     enter(page, "E", "90")
     has_points(page, 1)
     assert len(page.evaluate(COLUMN.format("E", "x"))) == 1  # compared with the run before
@@ -147,6 +148,7 @@ def test_sweep_of_the_press_depth_adds_twelve_runs_of_one_interface_and_their_fo
     page = opened
     page.get_by_role("button", name="Sweep the press depth").click()
     has_points(page, 12)  # the run on screen is one of them
+    page.wait_for_function("!charts.load_slips.changed")  # painted, also while nothing plays
     joined = np.array([page.evaluate(COLUMN.format("runs", column)) for column in "xy"])
     expected = np.array([first_slip(delta_bar=depth) for depth in DEPTHS]).T
     np.testing.assert_allclose(joined, expected, rtol=1e-3, atol=0.05)

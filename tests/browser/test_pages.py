@@ -303,6 +303,46 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
 
 
 @thorough
+def test_a_drag_on_the_map_ends_where_the_button_is_let_go_also_outside_and_the_right_button_drags_nothing(look):
+    page = look(f"?page=regimes&{TINY}")
+    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function("charts.regimes_map.box && charts.regimes_map.parts.map.picture")
+    box = page.locator("#regimes .view").bounding_box()
+    x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.down(button="right")
+    page.mouse.move(x + 40, y + 20)
+    page.mouse.up(button="right")
+    assert page.evaluate("[punch.dragging, punch.waiting.length]") == [False, 0]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y + 20)
+    page.wait_for_function("punch.dragging")
+    page.mouse.move(x + 40, box["y"] - 30)
+    page.mouse.up()
+    page.wait_for_function("!punch.dragging && !punch.waiting.length && punch.status.values.phi_ratio === 2")
+    there = page.evaluate("JSON.stringify(punch.status.values)")
+    page.mouse.move(x, y)
+    page.mouse.move(x - 40, y)
+    page.wait_for_function("!punch.fresh")
+    assert page.evaluate("[punch.dragging, JSON.stringify(punch.status.values)]") == [False, there]
+
+
+@thorough
+def test_the_choices_of_the_map_are_those_of_what_is_shown_when_it_is_opened_again(look):
+    page = look(f"?page=regimes&{TINY}")
+    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.select_option("#regimes-of", "A_s")
+    page.select_option("#regimes-x", "E")
+    page.wait_for_function("charts.regimes_map.across.startsWith('stiffness')")
+    page.locator("#regimes .close").click()
+    page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.beside.open === undefined")
+    page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
+    page.wait_for_function("charts.regimes_map.across.startsWith('press')")
+    assert [page.input_value(f"#regimes-{name}") for name in ("x", "y", "of")] == ["delta_bar", "phi_ratio", "F_s"]
+
+
+@thorough
 def test_clicking_the_map_shows_the_scene_of_that_place(look):
     """The axes of the map are delta_bar and phi_ratio; what is pointed at is read out, and a click goes there."""
     page = look(f"?page=regimes&{TINY}")

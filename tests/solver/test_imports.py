@@ -170,7 +170,7 @@ NOT_IMPORTED = {
 
 @pytest.mark.parametrize("folder", NOT_IMPORTED)
 def test_folders_of_the_app_import_only_downwards(folder):
-    """Pages are given a session and never make one, and a session is given its pages (app/page.py)."""
+    """Pages are given a session and never make one, and an experiment is given its pages (app/experiment.py)."""
     for path in (APP / folder).rglob("*.py"):
         through = [
             name for name in imported(path) if any(f"{name}.".startswith(f"{other}.") for other in NOT_IMPORTED[folder])

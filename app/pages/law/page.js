@@ -28,7 +28,8 @@ export function connect() {
       parts: { map: { kind: "image", picture: null }, ...riders() } })
     charts[name].says = (place) => {
       const T = valueAt(charts[name].parts.map, place)
-      return [`s = ${fixed(place.x, 2)} nm`, `gap = ${fixed(place.y, 2)} nm`, `${symbol} = ${fixed(T, 3)} GPa`]
+      const s = `s = ${fixed(place.x, 2)} nm`, gap = `gap = ${fixed(place.y, 2)} nm`
+      return T === T ? [s, gap, `${symbol} = ${fixed(T, 3)} GPa`] : null
     }
   }
   const curve = (name, across, up, [start, end]) => addChart(name, { x: range(), y: { start, end }, across, up,

@@ -7,7 +7,7 @@ import { extent } from "../../static/js/curves.js"
 import { digits, named, withUnit } from "../../static/js/quantities.js"
 import { download } from "../../static/js/share.js"
 import { addSwept, clear, collect, points } from "../../static/js/slips.js"
-import { declared, me } from "../../static/js/store.js"
+import { declared, me, repaint } from "../../static/js/store.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.12 // of an axis, beyond the points
@@ -30,7 +30,13 @@ export function connect() {
     } })
   charts.load_slips.says = says
   on("load-csv", "click", () => download(new Blob([csv()], { type: "text/csv" }), "-friction-over-load.csv"))
-  on("load-clear", "click", () => { clear(); ask({ what: "clear" }); draw() })
+  on("load-clear", "click", () => {
+    clear()
+    cleared = sweep
+    ask({ what: "clear" })
+    draw()
+    repaint()
+  })
 }
 
 export function frame(run) {
@@ -38,8 +44,12 @@ export function frame(run) {
   draw()
 }
 
-export function receive({ swept = [] }) {
-  swept.forEach(addSwept)
+let sweep = null, cleared = null // numbers of the sweep on its way, and of one whose points are not wanted any more
+
+export function receive(news) {
+  sweep = news.sweep ?? null
+  if (sweep === null || sweep !== cleared) (news.swept ?? []).forEach(addSwept)
+  if (sweep !== cleared) cleared = null
   draw()
 }
 

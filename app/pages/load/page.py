@@ -23,6 +23,7 @@ class Page(Sheet):
         super().__init__(*given)
         self.swept: list[dict[str, Any]] = []  # points as in static/js/slips.js
         self.why = ""  # there is no sweep, or a run of it failed
+        self.number = 0  # of sweeps
 
     def scene_changed(self) -> None:
         """Publish what there is."""
@@ -34,6 +35,7 @@ class Page(Sheet):
         if what in ("sweep", "cancel", "clear"):
             self.sweep.cancel()
             self.swept, self.why = [], ""
+            self.number += 1
         if what == "sweep":
             try:
                 scenes = [self.session.scene.changed(delta_bar=depth) for depth in DEPTHS]
@@ -52,4 +54,4 @@ class Page(Sheet):
         self._publish()
 
     def _publish(self):
-        self.publish(busy=self.sweep.part, swept=self.swept, texts={"load-why": self.why})
+        self.publish(busy=self.sweep.part, sweep=self.number, swept=self.swept, texts={"load-why": self.why})

@@ -14,13 +14,15 @@ const NAMED = 420 // px, from which on the names of regimes stand beside each ot
 
 let map = null // of the server, see app/pages/regimes/page.py; a place is in columns and rows
 
+const sides = () => [by("regimes-x"), by("regimes-y")]
+let shown = [] // parameters of the axes
+
 export function connect() {
   on("regimes-of", "change", () => ask({ what: "of", of: by("regimes-of").value }))
-  const sides = [by("regimes-x"), by("regimes-y")], now = sides.map((side) => side.value)
-  sides.forEach((side, i) => side.addEventListener("change", () => {
-    if (side.value === sides[1 - i].value) sides[1 - i].value = now[i] // the axes change places
-    sides.forEach((each, k) => { now[k] = each.value })
-    ask({ what: "axes", x: now[0], y: now[1] })
+  sides().forEach((side, i, both) => side.addEventListener("change", () => {
+    if (side.value === both[1 - i].value) both[1 - i].value = shown[i] // the axes change places
+    shown = both.map(({ value }) => value)
+    ask({ what: "axes", x: shown[0], y: shown[1] })
   }))
   addChart("regimes_map", { x: { start: 0, end: 1 }, y: { start: 0, end: 1 }, across: "", up: "", parts: {
     map: { kind: "image", picture: null }, outline: line("--cut", { width: 3 }),
@@ -39,21 +41,35 @@ function connectMouse(view) {
     return chart.placeOf({ x: clientX - left, y: clientY - top })
   }
   const within = ({ x, y }) => x >= chart.x.start && x <= chart.x.end && y >= chart.y.start && y <= chart.y.end
-  onDrag(view, (event) => event.pointerType !== "touch" && map !== null && within(placeOf(event)),
-    (event) => steer(valuesAt(placeOf(event))), letGo)
+  let dragged = false
+  onDrag(view, (event) => {
+    dragged = event.pointerType !== "touch" && event.button === 0 && map !== null && within(placeOf(event))
+    if (!dragged) return false
+    view.setPointerCapture(event.pointerId)
+    steer(valuesAt(placeOf(event)))
+    return true
+  }, (event) => steer(valuesAt(placeOf(event))), letGo)
   view.addEventListener("click", (event) => {
-    const place = placeOf(event)
-    if (map === null || !within(place)) return
-    steer(valuesAt(place))
+    if (dragged || map === null || !within(placeOf(event))) return
+    steer(valuesAt(placeOf(event)))
     letGo()
   })
 }
 
 export function receive(news) {
+  if (!map && news.map) choose(news.map)
   map = news.map ?? null
   if (map) draw()
+  else for (const part of ["map", "outline"]) charts.regimes_map.fill(part, { ...none, picture: null })
   const [i, j] = news.own ?? []
-  charts.regimes_map.fill("own", news.own ? { x: [i], y: [j] } : none)
+  charts.regimes_map.fill("own", map && news.own ? { x: [i], y: [j] } : none)
+}
+
+// The choices are those of a page that has just been opened
+function choose({ axes, of: [of] }) {
+  shown = axes.map(({ name }) => name)
+  sides().forEach((side, i) => { side.value = shown[i] })
+  by("regimes-of").value = of
 }
 
 function draw() {
@@ -78,7 +94,7 @@ function drawNames(pen, box) {
 function says(place) {
   const x = Math.round(place.x), y = Math.round(place.y)
   if (map === null || !(x in map.axes[0].values && y in map.axes[1].values)) return null
-  const at = valuesAt({ x, y }), value = valueAt(charts.regimes_map.parts.map, { x, y }), [what, unit] = map.of
+  const at = valuesAt({ x, y }), value = valueAt(charts.regimes_map.parts.map, { x, y }), [, what, unit] = map.of
   const regime = map.kinds[map.codes[y * map.axes[0].values.length + x]]
   return [...map.axes.map(({ name, label }) => `${label}: ${minus(at[name])}`),
     ...(regime ? [regime] : []), ...(Number.isFinite(value) ? [`${what}: ${digits(value)} ${unit}`] : [])]

@@ -65,7 +65,8 @@ class Page(Sheet):
             grid = self._around(self.session.scene)
         except SceneError as error:
             self.sweep.cancel()
-            return self.publish(texts={"regimes-text": f"Not drawn: {error}"}, busy=None)
+            self.grid, self.known = None, {}
+            return self.publish(texts={"regimes-text": f"Not drawn: {error}"}, busy=None, map=None)
         if grid != self.grid:
             self._begin(grid)
         self._draw()
@@ -124,12 +125,13 @@ class Page(Sheet):
     def _ask(self):
         """Request the next points. Each one starts from the points known by then; cached ones arrive at once."""
         self.asking = True
-        while self.left and len(self.sweep.waiting) < AT_ONCE:
-            task = self.grid.task(self.left.pop(), self.known)
-            self.sweep.add(
-                [(tasks.map_point, replace(task, start=task.start and skeletons.get(task.start)))], rank=HEAVY
-            )
-        self.asking = False
+        try:
+            while self.left and len(self.sweep.waiting) < AT_ONCE:
+                task = self.grid.task(self.left.pop(), self.known)
+                start = task.start and skeletons.get(task.start)
+                self.sweep.add([(tasks.map_point, replace(task, start=start))], rank=HEAVY)
+        finally:
+            self.asking = False
 
     def take(self, call: Any, result: Any) -> None:
         """Take the result of a point."""
@@ -191,7 +193,7 @@ class Page(Sheet):
             "axes": [_axis(axis) for axis in (self.grid.x, self.grid.y)],
             "values": [value if np.isfinite(value) else None for value in image.ravel().tolist()],
             "limits": (ends[0], max(ends[1], ends[0] + 1e-9)),
-            "of": QUANTITIES[self.of],
+            "of": (self.of, *QUANTITIES[self.of]),
             "codes": codes.ravel().tolist(),
             "kinds": REGIMES,  # by code; -1: none
             "outline": outlines(codes),

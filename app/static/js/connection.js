@@ -16,7 +16,7 @@ const PAUSES = [500, 1000, 2000]
 const AS_IT_WAS = "as it was"
 
 export function connect() {
-  document.addEventListener("connection-lost", lost) // Bokeh's, see app/page.py
+  document.addEventListener("connection-lost", lost) // Bokeh's, see app/experiment.py
   document.addEventListener("visibilitychange", () => { if (!document.hidden) look() }) // it may have slept
   addEventListener("offline", async () => { if (!(await answers())) lost() }) // a server on this machine stays
   setInterval(look, LOOK)

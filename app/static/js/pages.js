@@ -1,14 +1,14 @@
 // The pages beside the experiment: opened and closed here, filled by the server (app/pages). A page may have a script,
 // app/pages/NAME/page.js, loaded when the page is first opened, with any of connect() (once), where it adds its charts,
-// receive(news), also in another look, which are {} as it closes, frame(run, k) with every frame, and
-// over(pen, box, run, k) over the punch.
+// receive(all that the page has published), also in another look, which is {} as it closes, frame(run, k) with every
+// frame, and over(pen, box, run, k) over the punch.
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
 import { charts } from "./charts.js"
 import { by, fetched, readdress } from "./dom.js"
 import { connectChart } from "./pointing.js"
-import { declared, me, redraw, view } from "./store.js"
+import { declared, me, redraw, repaint, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
@@ -111,6 +111,7 @@ export function receive(news) {
   if (news.open) delete by(news.open).dataset.drawing
   call("receive", sheet)
   framePage("frame")
+  repaint()
 }
 
 // The increment on screen, for the page

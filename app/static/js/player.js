@@ -148,7 +148,10 @@ export function play(on) {
   if (!on) { // a run that is computed goes on, but what is on screen stays
     set({ following: false, at: Math.min(me.at, (me.run?.length ?? 1) - 1) })
     summarise("Paused")
-  } else by("announcement").textContent = ""
+  } else {
+    me.preview = null // where the mouse rests on a curve
+    by("announcement").textContent = ""
+  }
 }
 
 export function toggle() {

@@ -18,7 +18,7 @@ export function connectChart(name) {
   const there = (at) => (me.run?.sheared >= 0 && chart.box ? me.run.nearest(chart.placeOf(at).x, me.at) : null)
   const point = (at) => {
     me.pointed = at && { name, ...at }
-    if (curve && !me.playing) me.preview = at && there(at)
+    if (curve && (at === null || !me.playing)) me.preview = at && there(at)
   }
   view.addEventListener("pointermove", (event) => { if (event.pointerType !== "touch") point(px(event)) })
   view.addEventListener("pointerleave", () => point(null))
