@@ -36,8 +36,8 @@ class Stage(JSComponent):
     run = param.Dict({}, doc="a part of a computed run: run, state, frames, body (bytes, service/packing.py)")
     skeleton = param.Dict({}, doc="a predicted run: acknowledged, body (bytes, service/skeletons.py)")
     status = param.Dict({}, doc="of values, notes, errors, marks and progress, what has changed")
-    beside = param.Dict({}, doc="the page beside the experiment (app/pages)")
-    sheet = param.Dict({}, doc="what is shared: link, python, qr")
+    opened = param.Dict({}, doc="of the page that is open beside the experiment (app/pages), what has changed; or {}")
+    shared = param.Dict({}, doc="what is shared: link, python, qr")
     file = param.Dict({}, doc="a run in full precision: ending, body (bytes), why")
     slip = param.Dict({}, doc="states of the transient of a slip: frame, body (bytes); or why there are none")
     table = param.Dict(

@@ -105,7 +105,7 @@ class Pages:
         if self.page is not None:
             page, self.page = self.page, None
             page.close()
-            self.session.send("beside")
+            self.session.send("opened")
 
     def close(self) -> None:
         """Cancel all calls: the visitor left."""
@@ -129,4 +129,4 @@ class Pages:
         news = {name: value for name, value in news.items() if page.published.get(name, self) != value}
         page.published |= news
         if news and page is self.page:
-            self.session.send("beside", **{"open": self.name} | news)
+            self.session.send("opened", **{"open": self.name} | news)

@@ -28,7 +28,7 @@ class Share(Requests):
     @order("share", link=orders.is_link)
     def sheet(self, link: str) -> None:
         """Send the Python lines of the run on screen, then the QR code of a link, which a worker draws."""
-        send = partial(self.session.send, "sheet", link=link, python=python_lines(self.session.pursuit.scene))
+        send = partial(self.session.send, "shared", link=link, python=python_lines(self.session.pursuit.scene))
         send(qr="")
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""), private=True)

@@ -188,7 +188,7 @@ def test_other_visitors_are_served_during_a_flood_of_messages(visit):
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
 
 
-@pytest.mark.parametrize("attr", ["run", "status", "beside", "name", "tags"])
+@pytest.mark.parametrize("attr", ["run", "status", "opened", "name", "tags"])
 def test_a_browser_sets_no_parameter_of_the_stage_without_an_order(visit, attr):
     assert visit.say(visit.patch(BOMB, attr)) == [] and visit.closed == [message_filter.TRY_LATER]
 

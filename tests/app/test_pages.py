@@ -35,7 +35,7 @@ def test_a_closed_page_leaves_no_texts(session):
     order(session, "page", page="law")
     assert sent[-1]["open"] == "law"
     order(session, "page", page="")
-    assert sent[-1] == {"kind": "beside"}
+    assert sent[-1] == {"kind": "opened"}
 
 
 def test_closed_pages_cause_no_tasks_and_no_messages(session):
@@ -107,7 +107,7 @@ def test_a_page_that_is_opened_again_is_told_anew(session):
     sent = messages(session)
     for _ in range(2):
         order(session, "page", page="law")
-    opened = [message.get("open") for message in sent if message["kind"] == "beside"]
+    opened = [message.get("open") for message in sent if message["kind"] == "opened"]
     assert opened[0] == opened[-1] == "law" and None in opened
 
 
@@ -118,7 +118,7 @@ def test_a_step_of_the_press_depth_sends_nothing_of_an_unchanged_interface_law(s
     order(session, "scene", delta_bar="0.21")
     assert {message["kind"] for message in sent} == {"status"}
     order(session, "scene", phi_ratio="0.5")
-    law = [message["law"] for message in sent if message["kind"] == "beside"]
+    law = [message["law"] for message in sent if message["kind"] == "opened"]
     assert law and law[0]["constants"] == cohesive_law.law_constants(session.scene).tolist()
 
 

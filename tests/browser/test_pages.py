@@ -95,7 +95,7 @@ def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_
             page.wait_for_function(f"() => {DRAWN[name]} && !('drawing' in {name}.dataset)", timeout=PATIENCE)
             assert page.locator(".sheet:visible").count() == 1
         page.evaluate("document.querySelector('#law .close').click()")
-        page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.beside.open === undefined")
+        page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.opened.open === undefined")
         assert page.locator(".sheet:visible").count() == 0 and "page=" not in page.url
         tools.send("HeapProfiler.collectGarbage")
         metrics = {each["name"]: each["value"] for each in tools.send("Performance.getMetrics")["metrics"]}
@@ -251,7 +251,7 @@ def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
     page, held = visit(""), []
     finished(page)
     page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
-    opened = "Bokeh.documents[0].roots()[0].data.beside.open"
+    opened = "Bokeh.documents[0].roots()[0].data.opened.open"
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
     page.wait_for_function(f"{opened} === 'regimes'", timeout=PATIENCE)
     page.locator("#regimes .close").click()
@@ -336,7 +336,7 @@ def test_the_choices_of_the_map_are_those_of_what_is_shown_when_it_is_opened_aga
     page.select_option("#regimes-x", "E")
     page.wait_for_function("charts.regimes_map.across.startsWith('stiffness')")
     page.locator("#regimes .close").click()
-    page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.beside.open === undefined")
+    page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.opened.open === undefined")
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
     page.wait_for_function("charts.regimes_map.across.startsWith('press')")
     assert [page.input_value(f"#regimes-{name}") for name in ("x", "y", "of")] == ["delta_bar", "phi_ratio", "F_s"]

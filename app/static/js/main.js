@@ -48,7 +48,7 @@ export function start() {
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)
-  channel.take("beside", pages.receive, pages.read)
+  channel.take("opened", pages.receive, pages.read)
   player.connectStored()
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()

@@ -12,7 +12,7 @@ import { declared, me, redraw, repaint, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
-let sheet = { open: "" } // the last message of the server on the open page
+let sheet = { open: "" } // what the server has told of the open page
 let picking = 0
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 

@@ -104,7 +104,7 @@ function showSheet({ link, qr, python }) {
 function connect() {
   connected = true
   take("file", showFile)
-  take("sheet", showSheet)
+  take("shared", showSheet)
   const view = by("share-view")
   on("copy-link", "click", () => copy(by("share-link"), "link"))
   on("copy-frame", "click", () => copy(by("share-frame"), "HTML"))
