@@ -34,6 +34,7 @@ from app.session.share import Share
 from app.stage import Stage
 from solver import Scene, SceneError
 
+pn.config.browser_info = False
 log = logging.getLogger("app")
 OF_THE_RUN = "hello", "scene", "restore", "release", "skip"  # orders without which there is no run
 visitors = set()  # of this process; Panel's own count is late
@@ -260,7 +261,6 @@ def serve() -> None:
 
 def add_to(doc: Document, stage: Stage) -> None:
     """Add a Stage to a document."""
-    pn.extension(browser_info=False)
     with document.frozen(doc):
         stage.server_doc(doc, title=page.TITLE, location=False)
         doc.roots[0].stylesheets = []  # of Panel: the component itself shows nothing
