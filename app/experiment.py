@@ -34,7 +34,7 @@ from app.session.share import Share
 from app.stage import Stage
 from solver import Scene, SceneError
 
-pn.config.browser_info = False
+pn.config.browser_info = False  # else every document has a component more, which tells of the browser
 log = logging.getLogger("app")
 OF_THE_RUN = "hello", "scene", "restore", "release", "skip"  # orders without which there is no run
 visitors = set()  # of this process; Panel's own count is late
@@ -270,4 +270,5 @@ def add_to(doc: Document, stage: Stage) -> None:
 
 def example(doc: Document) -> None:
     """Add what a visitor's document has to another one."""
+    pn.extension()  # once, as it takes a sixth of what a document does: else scripts of all that Panel knows are loaded
     add_to(doc, Stage())

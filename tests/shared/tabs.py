@@ -49,7 +49,7 @@ class Tabs:
 
     def check(self):
         """Fail if a tab reported an error or made an external request."""
-        assert not self.problems
+        assert not self.problems, self.problems
         own = re.compile(rf"(http|ws)://localhost:{self.server.port}/|data:|blob:")
         assert not [url for url in self.asked if not own.match(url)]
 
