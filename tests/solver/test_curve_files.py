@@ -135,6 +135,7 @@ def test_the_file_of_a_computed_loop_is_read_as_one(tmp_path, loop):
     assert found.residuals(loop).rms == pytest.approx({"F": 0.0, "L": 0.0, "A": 0.0}, abs=1e-6)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("first", [0, 41])
 def test_a_fit_of_a_loop_finds_what_made_it_alone_and_by_an_executor(loop, first):
     data = measured_loop(loop, first)

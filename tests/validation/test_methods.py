@@ -144,8 +144,9 @@ def test_an_unknown_method_is_named():
         next(load_path(SMALL, "newton"))
 
 
+@pytest.mark.once(2)
 @pytest.mark.slow
-@pytest.mark.parametrize("damping", [0.3, 4.0, inf])
+@pytest.mark.parametrize("damping", [0.3, inf, 4.0])
 def test_both_methods_agree_at_every_damping(damping):
     """A stroke with a slip; inf: both creep."""
     scene = Scene(nodes=64, width=160.0, radius=1.0, du_z=0.5, du_x=0.1, u_x_max=5.0, damping=damping, tolerance=1e-7)
@@ -174,6 +175,7 @@ def by_advance(scene, barrier):
     return frames
 
 
+@pytest.mark.once(2)
 @pytest.mark.parametrize("run", [by_load_path, by_advance])
 @pytest.mark.parametrize("values", [{"u_x_max": 14.0}, {"surface": "flat", "phi_ratio": 0.1, "damping": inf}])
 def test_two_threads_on_one_scene_get_the_frames_of_one(run, values):
