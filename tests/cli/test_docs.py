@@ -11,6 +11,7 @@ import shlex
 import subprocess
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 from importlib.metadata import packages_distributions
@@ -109,6 +110,8 @@ def test_examples_in_docstrings_run(tmp_path, monkeypatch):
     table[table["stage"] == "shear"][["U_x (nm)", "F (N/m)"]].to_csv("measured.csv", index=False)
     small = partial(solver.Scene, u_x_max=12.0, **size)
     names = {name: getattr(solver, name) for name in solver.__all__} | {"np": np, "Path": Path, "Scene": small}
+    names["Axis"] = lambda name, low, high, count: solver.Axis(name, low, high, 2)
+    names["explore_map"] = partial(solver.explore_map, executor=ThreadPoolExecutor(1))
     for name in FUNCTIONS + CLASSES:
         text = inspect.getdoc(getattr(solver, name))
         (example,) = re.findall(r"\nExample: (.*?)(?:\n\n|\Z)", text, re.S)
