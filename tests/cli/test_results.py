@@ -256,13 +256,20 @@ def test_a_notebook_shows_what_differs_the_first_slip_and_a_curve(result):
     assert " N/m" in shown and " nm" in shown
 
 
-def test_importing_the_solver_imports_no_web_stack_and_no_analysis_but_offers_all_exports():
+def test_importing_the_solver_and_its_command_imports_no_web_stack_and_no_analysis_but_offers_all_exports():
     heavy = ["panel", "bokeh", "holoviews", "pandas", "tornado", "tqdm", "prometheus_client"]
-    heavy += [f"solver.analysis.{name}" for name in ("fit", "sensitivities", "maps")]
-    check = f"import sys, solver; print({{*{heavy}}} & {{*sys.modules}}, {{*solver.__all__}} - {{*dir(solver)}})"
-    check += "; solver.fit; print('solver.analysis.fit' in sys.modules)"
-    shown = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, timeout=120, check=True)
-    assert shown.stdout.strip() == "set() set()\nTrue"
+    analysis = [f"solver.analysis.{name}" for name in ("fit", "sensitivities", "maps")]
+    code = f"""
+import sys, solver
+print({{*{heavy + analysis}}} & {{*sys.modules}}, {{*solver.__all__}} - {{*dir(solver)}})
+solver.fit
+print("solver.analysis.fit" in sys.modules)
+import solver.cli
+from solver.accuracy import measure, report
+print({{*{heavy}}} & {{*sys.modules}})
+"""
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
+    assert shown.stdout.split("\n")[:-1] == ["set() set()", "True", "set()"]
 
 
 @pytest.mark.parametrize("name", [*solver.LAZY, "simulate", "sweep"])
