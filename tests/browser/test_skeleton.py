@@ -16,7 +16,7 @@ SCENES = {name: preset.scene for name, preset in presets().items() if preset.sce
     "weak": Scene(E=30.0, phi_ratio=0.5, delta_bar=0.3),
     "xu-needleman": Scene(law="xu-needleman", u_x_max=12.0),
 }
-SHOWN = "fig6", "no-load", "rough", "fig4a-blue", "soft-drive", "wave", "inertia", "xu-needleman"
+SHOWN = "fig6", "rough", "fig4a-blue", "soft-drive", "xu-needleman"
 OTHERS = [name for name in SCENES if name not in SHOWN]
 CASES = [*SHOWN, *(pytest.param(name, marks=pytest.mark.thorough) for name in OTHERS)]
 IN_TAB = """async (text) => {

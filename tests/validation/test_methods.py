@@ -224,9 +224,11 @@ ODD = [
     {"surface": "rough", "phi_n": 28.41, "phi_ratio": 0.2113, "E": 41.24, "nu": 0.35, "delta_n": 0.4753,
      "delta_t": 0.6181, "nodes": 200, "width": 228.7, "height": 6.797, "rms_slope": 0.01441, "cut_off": 0.06,
      "seed": 644, "du_z": 1.0, "tolerance": 1e-10, "damping": 0.5},
-    # a runaway
-    {"surface": "flat", "hold": "load", "delta_bar": 0.82, "phi_ratio": 0.0021, "E": 9637, "nu": 0.4999, "nodes": 129},
-    {"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 5.0},
+    pytest.param(  # a runaway
+        {"surface": "flat", "hold": "load", "delta_bar": 0.82, "phi_ratio": 0.0021, "E": 9637, "nu": 0.4999,
+         "nodes": 129}, marks=pytest.mark.thorough),
+    pytest.param({"delta_bar": 1.0, "phi_ratio": 0.3, "damping": 0.2, "nodes": 128, "width": 312.5, "u_x_max": 5.0},
+                 marks=pytest.mark.thorough),
     {"surface": "flat", "nodes": 16, "width": 40.0, "delta_bar": 1.0, "du_x": 0.5},
     pytest.param({"E": 0.01, "nodes": 256, "width": 625.0, "u_x_max": 0.0}, marks=pytest.mark.thorough),
     # points along the arc that are one, and all zero
