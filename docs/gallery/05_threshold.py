@@ -7,9 +7,9 @@ phi_t/phi_n = 0.0027, and slides smoothly below. The threshold is proportional t
 from solver import Scene, simulate
 
 # 16 nodes are enough for a flat, whose nodes all move alike. The layer is 2500 nm thick, as in the default.
-flat = Scene(surface="flat", nodes=16, width=39.0625, height=64.0, u_x_max=3.0)
+flat = Scene(surface="flat", nodes=16, width=39.0625, height=64.0, u_x_max=1.5)
 moduli = [35.0, 70.0, 140.0]  # GPa
-halvings = 10
+halvings = 8
 
 
 def threshold(E):

@@ -56,12 +56,18 @@ def test_accuracy_measures_a_scene_without_a_server():
     assert "Tolerance 1e-08 nm gives F, L and A to" in text_of(shown)
 
 
-def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs():
-    page = stick_slip.StickSlip(presets()["fig4a-blue"].scene)
+def narrow(scene):
+    """A flat on the same layer, an eighth as wide: its nodes are all alike."""
+    return scene.changed(nodes=scene.nodes // 8, width=scene.width / 8, height=scene.height * 8)
+
+
+def test_stick_slip_shows_figures_4_and_5_of_the_paper_from_runs(monkeypatch):
+    monkeypatch.setattr(stick_slip, "PAPER", {label: narrow(scene) for label, scene in stick_slip.PAPER.items()})
+    page = stick_slip.StickSlip(narrow(presets()["fig4a-blue"].scene))
     assert isinstance(page.layout(), pn.viewable.Viewable)
     drawn = {curve.label: (curve.x, curve.y) for curve in page.forces()}
     for name, label in stick_slip.FLATS.items():
-        scene = flat(presets()[name].scene)
+        scene = narrow(flat(presets()[name].scene))
         frames = [frame for frame in load_path(scene) if frame.stage == "shear"]
         U, F = drawn[label]
         at = np.isin(U, [frame.U_x for frame in frames])
@@ -83,8 +89,12 @@ def test_a_click_on_the_map_shows_that_flat_scene_and_moves_the_sliders(monkeypa
     assert (scene.surface, scene.E, scene.phi_ratio, scene.delta_bar) == ("flat", 200.0, 0.01, 0.0)
 
 
-def test_area_laws_shows_figure_8_of_the_paper_with_the_fitted_laws():
-    page = area_laws.AreaLaws(Scene())
+def test_area_laws_shows_figure_8_of_the_paper_with_the_fitted_laws(monkeypatch):
+    """An eighth as wide; tests/solver/test_statements.py has it whole."""
+    cell = {"nodes": 128, "width": 312.5}
+    monkeypatch.setattr(area_laws, "PAPER", [scene.changed(**cell) for scene in area_laws.PAPER])
+    monkeypatch.setattr(area_laws, "DEPTHS", (area_laws.DEPTHS[0], *area_laws.DEPTHS[-4:]))
+    page = area_laws.AreaLaws(Scene(**cell))
     assert isinstance(page.layout(), pn.viewable.Viewable)
     series = page.series()
     assert page.text == "" and all(list(runs) == list(area_laws.DEPTHS) for runs in series.values())

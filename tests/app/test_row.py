@@ -13,6 +13,7 @@ from solver.presets import presets
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
 import row
 
+NARROW = {"nodes": 256, "width": 625.0}
 ROW = [preset for preset in presets().values() if preset.short]
 
 
@@ -28,7 +29,7 @@ def test_every_preset_of_the_row_has_exactly_one_picture():
 
 
 def test_row_pictures_contain_increments_and_branch_ends():
-    scene = presets()["fig7-case2"].scene.changed(u_x_max=14.0, du_x=0.5)
+    scene = presets()["fig7-case2"].scene.changed(u_x_max=14.0, du_x=0.5, **NARROW)
     shear = [frame for frame in load_path(scene) if frame.stage == "shear"]
     slips = [slip for frame in shear for slip in frame.slips]
     expected = [(f.U_x, f.F_bar, f.A_bar) for f in shear] + [(s.load, s.F_bar, s.A_bar) for s in slips]
@@ -36,7 +37,7 @@ def test_row_pictures_contain_increments_and_branch_ends():
 
 
 def test_row_picture_of_an_unloading_shows_load_over_indentation():
-    scene = presets()["unload"].scene.changed(du_z=0.5, tolerance=1e-6)
+    scene = presets()["unload"].scene.changed(du_z=0.5, tolerance=1e-6, **NARROW)
     unload = [(f.delta, f.L_bar, f.A_bar) for f in load_path(scene) if f.stage == "unload"]
     assert set(unload) <= set(zip(*row.curves(scene), strict=True))
 

@@ -8,7 +8,6 @@ import logging
 import random
 import re
 import socket
-import subprocess
 import sys
 import threading
 import time
@@ -365,12 +364,6 @@ def test_a_file_is_answered_without_a_look_into_any_folder(address):
 def test_names_that_are_no_static_file_are_answered_without_a_traceback(address, name, caplog):
     assert get(f"{address}/app/static/{name}")[0] in (400, 404)
     assert "Traceback" not in caplog.text and "ncaught" not in caplog.text
-
-
-def test_the_server_does_not_import_holoviews_which_no_visitor_reaches():
-    script = "import sys, app.routes, app.app_hooks; print('holoviews' in sys.modules)"
-    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=True)
-    assert ended.stdout == "False\n"
 
 
 def test_no_request_imports_a_module(address):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from served import PATIENCE, PLAYING, finished, found_by_axe, from_menu, laid_out
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 # the slider does what a mark does (WCAG 2.5.8)
 TOUCHED = "button:not(.mark), select, input:not([type=checkbox], [type=radio]), label:has(input)"
 SMALL = f"""() => [...document.querySelectorAll('{TOUCHED}')]
@@ -26,7 +26,6 @@ def test_axe_reports_no_violation_on_the_page_and_in_the_drawer(look):
     assert not found_by_axe(page)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_reports_no_violation_in_any_dialog_or_view(look, theme):
     page = look(f"?theme={theme}")
@@ -89,7 +88,6 @@ def test_screen_readers_hear_nothing_during_playback_and_one_sentence_at_a_pause
     assert f"displacement of {at} nanometres" in page.inner_text("#announcement")
 
 
-@pytest.mark.thorough
 def test_escape_closes_the_menu_and_space_presses_its_button(look):
     page = look()
     finished(page)
@@ -107,7 +105,6 @@ def test_escape_closes_the_menu_and_space_presses_its_button(look):
     assert page.evaluate("document.activeElement.id") == "menu"
 
 
-@pytest.mark.thorough
 def test_a_select_keeps_the_focus_and_space_still_starts_playback(look):
     page = look()
     finished(page)
@@ -184,7 +181,6 @@ def test_tab_key_reaches_visible_named_controls_in_order_without_a_trap(visit):
     assert page.evaluate("document.activeElement.id") == "speed"
 
 
-@pytest.mark.thorough
 def test_the_whole_page_works_with_the_keyboard_alone(visit):
     page = visit(**PLAYING)
     finished(page)
@@ -234,7 +230,6 @@ def test_the_whole_page_works_with_the_keyboard_alone(visit):
     page.wait_for_function("document.activeElement.id === 'tour'")
 
 
-@pytest.mark.thorough
 def test_preset_menu_marks_a_changed_scene_and_restores_the_preset(look):
     page = look("?preset=fig7-case2")
     finished(page)
@@ -249,7 +244,6 @@ def test_preset_menu_marks_a_changed_scene_and_restores_the_preset(look):
     assert page.evaluate("punch.status.values.E") == 70
 
 
-@pytest.mark.thorough
 def test_solver_statistics_appear_only_behind_their_button(look):
     page = look()
     assert "evaluations" not in page.inner_text(".page")
@@ -258,7 +252,6 @@ def test_solver_statistics_appear_only_behind_their_button(look):
     assert "502 increments" in said and "force evaluations" in said and "1e-8 nm" in said
 
 
-@pytest.mark.thorough
 def test_cautions_about_a_result_appear_behind_their_button(look):
     page = look("?preset=inertia")
     assert page.locator("#notes").is_hidden()
@@ -266,7 +259,6 @@ def test_cautions_about_a_result_appear_behind_their_button(look):
     assert "may flutter" in page.inner_text("#cautions")
 
 
-@pytest.mark.thorough
 def test_a_label_focuses_its_entry_and_has_no_button(look):
     page = look()
     page.locator(".control label", has_text="Stiffness").click()
@@ -293,7 +285,6 @@ def test_previous_run_has_enough_contrast_in_the_dark_theme(look):
     assert (line + 0.05) / (page + 0.05) >= 3.0 and (text + 0.05) / (page + 0.05) >= 4.5  # of WCAG
 
 
-@pytest.mark.thorough
 def test_single_letters_can_be_switched_off_for_good(visit):
     """WCAG 2.1.4: who dictates says letters that are not meant as keys."""
     page = visit("?E=100")
@@ -310,7 +301,6 @@ def test_single_letters_can_be_switched_off_for_good(visit):
     page.wait_for_function("punch.playing")
 
 
-@pytest.mark.thorough
 def test_slider_names_have_the_unit_and_values_the_number_and_a_summary_says_what_happens(look):
     page = look("?E=200&delta_bar=0.1")
     finished(page)

@@ -2,7 +2,7 @@
 
 import pytest
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 SIGNS = "() => [...document.querySelectorAll('#check li')].map(({ dataset }) => dataset.sign).join('')"
 
 

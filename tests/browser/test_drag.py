@@ -4,7 +4,7 @@ import pytest
 from served import PATIENCE, finished, paused_at, values_are
 from tabs import imported
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 AXES = """Object.fromEntries(["forces", "area", "map", "punch"].map((name) => {
     const { x, y } = charts[name]
     return [name, [x.start, x.end, y.start, y.end]]

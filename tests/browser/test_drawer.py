@@ -3,7 +3,7 @@
 import pytest
 from served import FAULTS, PATIENCE, finished, from_menu, laid_out
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
 
 
@@ -55,7 +55,6 @@ def test_drawer_shows_applicable_parameters_searches_and_restores_them(look):
     assert page.evaluate("punch.status.values.nu") == 0.45
 
 
-@pytest.mark.thorough
 def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(look):
     page = look()
     finished(page)
@@ -68,7 +67,6 @@ def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(loo
     assert page.input_value("#profile").endswith("mine.csv")
 
 
-@pytest.mark.thorough
 def test_entries_accept_units_decimal_commas_and_minus_signs(look):
     page = look(f"?{QUICK}")
     finished(page)

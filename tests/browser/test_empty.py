@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 from served import finished
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 def column(page, part, name):
@@ -44,7 +44,6 @@ def test_runs_without_shear_or_contact_have_valid_axes_and_an_explanation(look, 
     assert apart == ("delta_bar=-1" in query)
 
 
-@pytest.mark.thorough
 def test_arrows_show_the_direction_of_loops_and_unloading(look):
     page = look("?path=loop&u_x_max=10&du_x=0.5")
     finished(page)
@@ -61,7 +60,6 @@ def test_arrows_show_the_direction_of_loops_and_unloading(look):
     assert min(b - a for a, b in pairwise(places)) > 0.05 * 12
 
 
-@pytest.mark.thorough
 def test_increments_without_an_equilibrium_are_hatched_and_labelled(look):
     page = look("?du_x=0.5&u_x_max=39")  # of this test alone, as it spoils the run
     finished(page)

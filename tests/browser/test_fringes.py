@@ -3,7 +3,7 @@
 import pytest
 from served import finished, laid_out, values_are
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 KEY = "document.getElementById('fringe-most').textContent"
 
 

@@ -3,7 +3,7 @@
 import pytest
 from served import FAULTS, PARABOLA, PATIENCE, PLAYING, finished, from_menu, laid_out, values_are
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 def enter(page, name, text):
@@ -66,7 +66,6 @@ def test_back_after_reset_restores_the_parameter_that_was_changed_last(visit):
     values_are(page, E=80)
 
 
-@pytest.mark.thorough
 def test_back_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
     finished(page)
@@ -98,7 +97,6 @@ def test_address_holds_the_increment_of_a_paused_run(visit):
     page.wait_for_function("!new URLSearchParams(location.search).has('k')")
 
 
-@pytest.mark.thorough
 def test_invalid_increments_in_the_address_are_harmless(visit):
     page = visit("?k=99999")
     finished(page)

@@ -3,7 +3,7 @@
 import pytest
 from served import FAULTS, faults_at, finished, from_menu, laid_out
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 SIZES = (
     (360, 740),
@@ -129,7 +129,6 @@ def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
     page.wait_for_function("document.getElementById('find').getBoundingClientRect().bottom < innerHeight - 150")
 
 
-@pytest.mark.thorough
 def test_an_error_message_leaves_slider_widths_unchanged(look):
     page = look()
     finished(page)
@@ -145,7 +144,6 @@ SHARES = {(1440, 900): 0.55, (1280, 720): 0.55, (390, 844): 0.38}  # of the firs
 PLOTS = {(1440, 900): 180, (1280, 720): 130, (1920, 1080): 300}  # px, of the forces within their axes
 
 
-@pytest.mark.thorough
 def test_punch_fills_its_share_of_every_screen_beside_a_visible_curve(look):
     page = look("?more=0")
     others = (1920, 1080), (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657), (844, 390)
@@ -194,7 +192,6 @@ def test_long_sentences_do_not_move_curves_and_sliders(visit):
         assert all(place == places[0] for place in places), (width, height)
 
 
-@pytest.mark.thorough
 def test_landscape_phone_shows_punch_and_curve_side_by_side(look):
     page = look("?more=0")
     page.set_viewport_size({"width": 844, "height": 390})

@@ -3,7 +3,7 @@
 import pytest
 from served import PATIENCE, finished
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import re
 import pytest
 from served import PARABOLA, PATIENCE, finished, from_menu, paused_at
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 AXIS = "charts.forces.across"
 
 
@@ -28,7 +28,6 @@ def test_a_friction_loop_is_plotted_with_its_dissipated_energy(look):
     assert page.evaluate("punch.run.dissipated") == pytest.approx(area, rel=0.02)  # slips lie between increments
 
 
-@pytest.mark.thorough
 def test_unloading_is_plotted_over_indentation(look):
     page = look("?preset=unload")
     finished(page)
@@ -116,7 +115,6 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
     page.locator("#share").wait_for(state="hidden")
 
 
-@pytest.mark.thorough
 def test_an_uploaded_profile_is_used_once_its_unit_is_known_and_an_invalid_one_keeps_the_run(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
     finished(page)

@@ -9,7 +9,7 @@ from served import finished
 from solver import Scene, simulate
 from solver.analysis.curve_files import read_measurement
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 DROP = """([name, text]) => {
     const dataTransfer = new DataTransfer()

@@ -5,7 +5,7 @@ from served import finished, from_menu
 
 from solver import Scene, load_path
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 def lines(page, view):
@@ -13,7 +13,6 @@ def lines(page, view):
     return page.evaluate(f"charts.{view}.parts.pins.list.length")
 
 
-@pytest.mark.thorough
 def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     page = look()
     finished(page)
@@ -45,7 +44,6 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     assert page.locator("#pins").is_hidden() and page.evaluate("document.activeElement.id") == "menu"
 
 
-@pytest.mark.thorough
 def test_pins_stay_out_of_links_and_an_older_link_with_pins_opens_without_them(visit):
     page = visit("?u_x_max=4&du_x=0.5&pin=Soft*E*20")
     finished(page)

@@ -3,7 +3,7 @@
 import pytest
 from served import finished, from_menu
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 PAINTED = """() => {  // the largest width of a line of the forces, and the font of their axes
     const pen = charts.forces.canvas.getContext("2d"), { stroke } = pen, widths = []
     pen.stroke = () => { widths.push(pen.lineWidth); stroke.call(pen) }
@@ -29,7 +29,6 @@ def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look
     assert page.locator("main figure:visible").count() > 2  # with more in sight, as before
 
 
-@pytest.mark.thorough
 def test_projector_mode_has_no_small_text_and_no_solver_statistics(look):
     page = look("?view=projector&delta_bar=0.2")
     finished(page)

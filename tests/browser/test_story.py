@@ -5,7 +5,7 @@ import re
 import pytest
 from served import finished, laid_out
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 LEAN = """() => {
@@ -34,7 +34,6 @@ def test_bracket_keys_lead_from_slip_to_slip_and_the_sentence_states_it(look):
     page.wait_for_function(f"() => punch.drawn === {first}")
 
 
-@pytest.mark.thorough
 def test_a_flat_shows_no_lens(look):
     page = look("?preset=fig4a-blue")
     at_first_slip(page)
@@ -66,7 +65,6 @@ def test_lens_shows_the_trailing_edge_until_it_is_moved(look):
     assert "gap" in lens.get_attribute("aria-valuetext")
 
 
-@pytest.mark.thorough
 def test_lens_shows_the_first_adhering_crest_before_contact(look):
     page = look("?preset=wave")
     page.evaluate("document.activeElement.blur()")
@@ -136,7 +134,6 @@ def test_slow_motion_keeps_the_top_fixed_and_ends_at_the_increment_after_the_sli
     assert page.locator("#slow").inner_text() == "Slow motion"
 
 
-@pytest.mark.thorough
 def test_key_m_shows_the_previous_slip_in_slow_motion_until_another_key(look):
     page = look("?preset=loop")
     at_first_slip(page)
@@ -179,7 +176,6 @@ def test_slow_motion_can_be_scrubbed_and_resumed(look):
     assert page.locator("#scrub").is_visible() and page.evaluate(ends) == before
 
 
-@pytest.mark.thorough
 def test_slow_motion_without_a_slip_explains_why(look):
     page = look("?preset=fig6&u_x_max=14")
     page.evaluate("document.activeElement.blur()")

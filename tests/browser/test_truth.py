@@ -5,7 +5,7 @@ import time
 import pytest
 from served import PATIENCE, Server, finished, patient
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 GREY = "document.querySelector('.page').dataset.stale === 'true'"
 SAID = "document.getElementById('stale').textContent"
 
@@ -28,7 +28,6 @@ def enter(page, E):
     page.locator("#E-entry").evaluate(f"(e) => {{ e.value = {E}; e.dispatchEvent(new Event('change')) }}")
 
 
-@pytest.mark.thorough
 def test_previous_run_is_grey_until_the_new_one_is_complete(look):
     page = look("?E=20&delta_bar=0.3")
     finished(page)
@@ -46,7 +45,6 @@ def test_previous_run_is_grey_until_the_new_one_is_complete(look):
     assert not page.evaluate(GREY)
 
 
-@pytest.mark.thorough
 def test_an_old_picture_is_grey_until_the_new_run_reaches_its_increment(look):
     """The new run begins with its approach; the increment on screen lies far behind that."""
     page = look("?E=20&k=205")
@@ -139,7 +137,6 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
     assert not [row for row in before + after if row[2] not in (None, row[3]) and not (row[0] or row[1])]
 
 
-@pytest.mark.thorough
 def test_a_long_run_shows_its_remaining_time_and_can_be_skipped(visit):
     # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
     page = visit(

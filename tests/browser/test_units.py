@@ -5,7 +5,7 @@ import re
 import pytest
 from served import finished
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 def drawn(page, part):
@@ -30,7 +30,6 @@ def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(lo
     assert axis(page) == "F, L (N/m)"
 
 
-@pytest.mark.thorough
 def test_an_older_link_to_normalised_forces_opens_with_forces_in_newtons_per_metre(visit):
     page = visit("?force=bar&u_x_max=4&du_x=0.5")
     finished(page)
@@ -38,7 +37,6 @@ def test_an_older_link_to_normalised_forces_opens_with_forces_in_newtons_per_met
     assert re.search(r"F = \S+ N/m, L = \S+ N/m, A = \S+ nm \(Ā = ", page.inner_text("#readout"))
 
 
-@pytest.mark.thorough
 def test_area_axis_states_a_nonzero_start_and_stacked_plots_align(look):
     page = look()
     start = page.evaluate("charts.area.y.start")

@@ -6,7 +6,7 @@ import pytest
 from served import finished, paused_at
 from tabs import imported
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
 def test_contact_map_colours_change_at_zero_for_any_limits(look):
@@ -28,7 +28,6 @@ def test_contact_map_colours_change_at_zero_for_any_limits(look):
         assert max(map(abs, apart)) <= tolerance
 
 
-@pytest.mark.thorough
 def test_a_deeply_pressed_punch_stays_in_a_fixed_view(look):
     page = look("?E=3000&delta_bar=1&theme=light")
     start = "charts.punch.y.start"
@@ -74,7 +73,6 @@ def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
     assert not page.locator("figure[aria-label^='Contact area'] .note").is_visible()
 
 
-@pytest.mark.thorough
 def test_exaggeration_factors_and_zeros_are_plain_numbers(look):
     page = look("?preset=unload")
     page.set_viewport_size({"width": 1280, "height": 4000})  # narrow and high: more than a hundredfold
@@ -88,7 +86,6 @@ def test_exaggeration_factors_and_zeros_are_plain_numbers(look):
     assert "F = 0 N/m" in page.inner_text("#readout")
 
 
-@pytest.mark.thorough
 def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
     page = look("?preset=unload")
     finished(page)
@@ -101,7 +98,6 @@ def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
     assert "jump" not in page.inner_text("main")
 
 
-@pytest.mark.thorough
 def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(look):
     page = look("?preset=loop")
     finished(page)

@@ -6,10 +6,9 @@ import threading
 import pytest
 from served import PATIENCE, Server, finished, from_menu, patient
 
-pytestmark = [pytest.mark.thorough]
+pytestmark = pytest.mark.thorough
 
 
-@pytest.mark.thorough
 def test_enter_in_an_entry_changes_the_scene_without_a_reload(look):
     page = look()
     finished(page)
@@ -20,7 +19,6 @@ def test_enter_in_an_entry_changes_the_scene_without_a_reload(look):
     assert page.evaluate("window.same && punch.status.values.E") == 80
 
 
-@pytest.mark.thorough
 def test_a_full_class_admits_a_waiting_visitor_when_another_leaves(browser, monkeypatch):
     monkeypatch.setenv("APP_VISITORS", "1")
     full = Server()
@@ -150,7 +148,6 @@ def test_other_sites_cannot_frame_the_app(browser, elsewhere):
     page.close()
 
 
-@pytest.mark.thorough
 def test_a_configured_site_can_frame_the_embedded_page(browser, elsewhere, monkeypatch, server):
     monkeypatch.setenv("APP_FRAME_ANCESTORS", elsewhere.rstrip("/"))
     other = Server()

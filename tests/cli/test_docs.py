@@ -11,6 +11,7 @@ import shlex
 import subprocess
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 from importlib.metadata import packages_distributions
@@ -104,11 +105,13 @@ def test_docstrings_of_exported_functions_name_parameters_result_and_errors(name
 def test_examples_in_docstrings_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("profile.csv").write_text("x,z\n" + "\n".join(f"{x},{np.sin(x / 10):.6f}" for x in range(300)))
-    size = {"nodes": 256, "width": 625.0}  # the default, four times as fast
-    table = solver.simulate(solver.Scene(**size, du_x=0.25, du_z=0.5)).table
+    size = {"nodes": 128, "width": 312.5}  # the default, an eighth as wide
+    table = solver.simulate(solver.Scene(**size, u_x_max=12.0, du_x=0.25, du_z=0.5)).table
     table[table["stage"] == "shear"][["U_x (nm)", "F (N/m)"]].to_csv("measured.csv", index=False)
-    small = partial(solver.Scene, u_x_max=25.0, **size)
+    small = partial(solver.Scene, u_x_max=12.0, **size)
     names = {name: getattr(solver, name) for name in solver.__all__} | {"np": np, "Path": Path, "Scene": small}
+    names["Axis"] = lambda name, low, high, count: solver.Axis(name, low, high, 2)
+    names["explore_map"] = partial(solver.explore_map, executor=ThreadPoolExecutor(1))
     for name in FUNCTIONS + CLASSES:
         text = inspect.getdoc(getattr(solver, name))
         (example,) = re.findall(r"\nExample: (.*?)(?:\n\n|\Z)", text, re.S)

@@ -585,6 +585,7 @@ def test_smooth_sliding_in_long_increments_is_repeated_once_its_states_are_many(
     assert [d.state.v[0] for d in done] == pytest.approx(exact_path(toy, loads, PERIOD), abs=1e-9)
 
 
+@pytest.mark.once(2)
 @pytest.mark.parametrize(("amplitude", "slips", "step"), [(0.05, False, 1e-3), (1.0, True, 1e-3), (1.0, True, 0.05)])
 def test_the_memory_of_5000_increments_is_bounded(amplitude, slips, step):
     """Without slips, with few and with many; what is left of the newest branch describes it."""

@@ -162,7 +162,8 @@ def test_driven_run_agrees_with_an_explicit_gfmd_with_springs():
 
 
 def test_following_and_sensitivities_know_the_stiffness_of_the_drive():
-    scene = PUNCH.changed(drive_t=20.0, u_x_max=20.0, tolerance=1e-8)
+    punch = PUNCH.changed(u_x_max=20.0, tolerance=1e-8)
+    scene = punch.changed(drive_t=20.0)
     skeleton = skeleton_of(scene)
     other = scene.changed(drive_t=22.0)
     expected = skeleton_of(other)
@@ -173,7 +174,7 @@ def test_following_and_sensitivities_know_the_stiffness_of_the_drive():
     assert slope[0] == pytest.approx((ends[1] - ends[0]) / 0.02, rel=1e-4)
     assert "drive_t" not in continuous(PUNCH)
     rigid = follow(skeleton_of(scene.changed(drive_t=100.0)), scene.changed(drive_t=inf))
-    assert rigid.branches[0].end == pytest.approx(skeleton_of(PUNCH).branches[0].end, abs=1e-4)
+    assert rigid.branches[0].end == pytest.approx(skeleton_of(punch).branches[0].end, abs=1e-4)
 
 
 def test_fit_finds_the_stiffness_of_the_drive_and_asks_for_a_number_first():

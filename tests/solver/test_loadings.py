@@ -405,7 +405,8 @@ def test_a_run_under_a_given_load_is_that_from_the_indentation_found(load):
     assert [s.load for s in ways[0].slips] == pytest.approx([s.load for s in ways[1].slips], abs=1e-5)
 
 
+@pytest.mark.thorough
 def test_a_held_load_of_the_shortest_increments_is_found():
     """The deepest approach would take a million of them."""
-    scene = SMALL.changed(du_z=1e-3, E=300.0)
+    scene = SMALL.changed(du_z=1e-3, E=300.0, nodes=32, width=80.0)
     assert held_at(scene, -1.0)[0].delta_bar < 1.0

@@ -15,7 +15,7 @@ from solver.analysis.maps import task as map_task
 from solver.analysis.maps.grid import AROUND, RUNS
 from solver.analysis.maps.point import at_slip
 from solver.analysis.maps.task import computed
-from solver.continuation import transient
+from solver.continuation import landing
 
 SMALL = Scene(nodes=128, width=312.5, u_x_max=12.0, tolerance=1e-7)  # the default, an eighth as wide
 FLAT = Scene(surface="flat", nodes=16, width=40.0, height=100.0, delta_bar=0.0, damping=np.inf)
@@ -210,7 +210,7 @@ def test_a_contact_that_shrinks_in_its_slip_reattaches_nothing():
 
 
 def test_an_impossible_map_point_has_a_reason(monkeypatch):
-    monkeypatch.setattr(transient, "BUDGET", 5_000)  # steps of a motion that never comes to rest, of 250,000
+    monkeypatch.setattr(landing, "BUDGET", 5_000)  # steps of a motion that never comes to rest, of 250,000
     axis = Axis("height", 1.0, 100.0, 2)
     point, _ = computed_point(Map(SMALL.changed(E=0.05), axis, PRESS).task((1, 0), {}))
     assert point.regime == "no result" and "tolerance" in point.reason

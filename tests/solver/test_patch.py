@@ -55,6 +55,6 @@ def test_a_summit_apart_belongs_to_the_patch():
     x = (np.arange(256) + 0.5) / 256 * 625.0
     hills = [d * np.clip(1.0 - ((x - at) / half) ** 2, 0.0, None) for at, half, d in ((220, 150, 12), (520, 30, 3.2))]
     size = {"surface": "measured", "measured": Profile(625.0, np.maximum(*hills)), "width": 625.0, "nodes": 256}
-    scene = Scene(**size, nu=0.4999, height=0.3, delta_n=0.2, delta_bar=3.0, du_z=0.5, du_x=0.5, u_x_max=2.0)
+    scene = Scene(**size, nu=0.4999, height=0.3, delta_n=0.2, delta_bar=3.0, du_z=1.0, u_x_max=0.0)
     for narrow, wide in zip(load_path(scene), on_whole_cell(scene), strict=True):
         assert narrow.L_bar == pytest.approx(wide.L_bar, abs=1e-9)  # without the summit: 2e-3

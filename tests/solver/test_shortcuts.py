@@ -57,6 +57,7 @@ def test_repeated_increments_cost_about_one_evaluation_and_are_marked():
     assert evaluations(frames) < 0.2 * evaluations(load_path(Scene(), replay=False))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_slips_that_begin_as_flutter_are_repeated_where_the_branch_bends_towards_its_end():
     scene = Scene(E=10.0, delta_bar=-0.15, u_x_max=31.0)

@@ -58,8 +58,8 @@ def test_slips_at_the_onset_of_stick_slip_do_not_depend_on_the_increment(phi_rat
 @pytest.mark.parametrize(
     "values",
     [
-        {"E": 10.0, "u_x_max": 34.0},
         {"E": 20.0, "phi_ratio": 2.0, "delta_bar": 1.0},
+        {"E": 10.0, "u_x_max": 34.0},
         {"E": 10.0, "phi_ratio": 2.0, "delta_bar": -0.15, "u_x_max": 38.0},  # flutter, and a fold after it
     ],
 )
@@ -176,6 +176,7 @@ def test_the_motion_starts_from_the_state_it_is_given():
     assert problem.motion().unknowns(y) == pytest.approx(away, abs=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_slip_of_a_soft_layer_is_sensitive_where_the_step_of_gfmd_decides_how_many_nodes_let_go():
     """Plain GFMD releases 45 of 1024 nodes with half of its largest stable step, and 29 with a sixteenth."""
@@ -191,6 +192,7 @@ def test_a_slip_of_a_soft_layer_is_sensitive_where_the_step_of_gfmd_decides_how_
     assert 0 < ours < 2 * max(theirs)  # from another start 162 let go
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_surface_that_begins_to_flutter_slips_before_the_load_has_gone_far():
     """Its oscillation takes long to grow: plain GFMD slips within 0.005 nm of load, and to the same equilibrium."""

@@ -219,6 +219,7 @@ def test_smaller_ratio_lowers_both_the_force_without_contact_and_the_shear_stren
     assert blue.F_nc < 0.2 * black.F_nc and blue.tau_c < 0.5 * black.tau_c
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("interface", "tau_c", "F_nc", "r2", "r2_deepest"),
     [

@@ -23,7 +23,8 @@ def closed_forms() -> list[Form]:
 
 def prandtl_tomlinson() -> list[Form]:
     """Flat on flat: load U(u) = u - T(u) h/G of one node; its maximum is the fold, where the force drops."""
-    scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=18.0, damping=inf, tolerance=1e-12)
+    cell = {"nodes": 64, "width": 156.25, "height": 16.0}  # the layer of the default; nodes of a flat are all alike
+    scene = Scene(surface="flat", phi_ratio=0.1, u_x_max=18.0, damping=inf, tolerance=1e-12, **cell)
     flexibility = scene.height * scene.width / scene.shear_modulus
 
     def pull(u):

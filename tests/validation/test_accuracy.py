@@ -2,8 +2,6 @@
 
 import json
 import pickle
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import islice
 
@@ -201,14 +199,3 @@ def test_the_report_has_the_scene_that_was_measured(monkeypatch):
     asked = scene.changed(hold="delta", path="shear")
     *_, (_, report) = measure(scene, quick=True)
     assert report.scene == asked
-
-
-@pytest.mark.slow
-def test_plotting_libraries_are_imported_only_when_needed():
-    code = (
-        "import sys, solver.cli\n"
-        "from solver.accuracy import measure, report\n"
-        "print([m for m in ('holoviews', 'bokeh', 'pandas', 'tqdm', 'panel') if m in sys.modules])"
-    )
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=True)
-    assert ran.stdout == "[]\n"
