@@ -113,7 +113,7 @@ def show(page, dice):
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("most", [50, 2000])
+@pytest.mark.parametrize("most", [30, 2000])
 def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_marked(visit, most):
     page = visit("?more=1", **PLAYING)
     finished(page)

@@ -17,33 +17,6 @@ def asked(page):
     page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
 
 
-def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it(look):
-    page = opened(look("?more=0"), 2)
-    asked(page)
-    assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
-    page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
-    hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
-    assert hidden["width"] > 0.8 * view["width"] - 90
-    # nothing but the question: neither words nor a preset's name answer it beforehand
-    for what in ("#scrub", "#narration", "#row", "#menu"):
-        assert page.locator(what).is_hidden()
-    page.evaluate("punch.speed = 40")
-    page.locator("button.answer", has_text="leading edge").click()
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
-    assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
-    assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
-    assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(12.5, abs=0.11)  # not behind the slip
-    assert page.locator(".future:visible").count() == 1  # what comes next answers other stops
-    page.get_by_role("button", name="Your turn").click()
-    page.wait_for_function("!document.querySelector('.future:not([hidden])')")
-    assert page.locator("#tour-card .question").inner_text().startswith("Pull instead of pushing")
-    assert page.evaluate("document.activeElement.id") == "delta_bar" and page.locator("#scrub").is_visible()
-    page.get_by_role("button", name="Next: The slip").click()
-    asked(page)
-    page.get_by_role("button", name="End tour").click()
-    assert "tour=" not in page.url
-
-
 @pytest.mark.thorough
 def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     page = visit("?tour=2&more=0")
@@ -171,19 +144,55 @@ def unseen_at(page, stop, phase, size):
     return [*page.evaluate(UNSEEN, of), *page.evaluate(FAULTS)]
 
 
-@pytest.mark.once
-@pytest.mark.parametrize("stop", [2, 1, 3, 4, 5, 6, 7, 8, 9])  # the map first: it stands elsewhere with More
+def unseen(page, stop, phase):
+    """{size: what unseen_at finds}, where it finds anything; the page is as large as before in the end."""
+    before = page.viewport_size
+    found = {size: faults for size in SIZES if (faults := unseen_at(page, stop, phase, size))}
+    page.set_viewport_size(before)
+    laid_out(page)
+    return found
+
+
+def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of_it_in_sight_at_every_size(look):
+    page = opened(look("?more=0"), 2)
+    asked(page)
+    assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
+    page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
+    hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
+    assert hidden["width"] > 0.8 * view["width"] - 90
+    # nothing but the question: neither words nor a preset's name answer it beforehand
+    for what in ("#scrub", "#narration", "#row", "#menu"):
+        assert page.locator(what).is_hidden()
+    assert not unseen(page, 2, "ask")
+    page.evaluate("punch.speed = 40")
+    page.locator("button.answer", has_text="leading edge").click()
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
+    assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
+    assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(12.5, abs=0.11)  # not behind the slip
+    assert page.locator(".future:visible").count() == 1  # what comes next answers other stops
+    assert not unseen(page, 2, "why")
+    page.get_by_role("button", name="Your turn").click()
+    page.wait_for_function("!document.querySelector('.future:not([hidden])')")
+    assert page.locator("#tour-card .question").inner_text().startswith("Pull instead of pushing")
+    assert page.evaluate("document.activeElement.id") == "delta_bar" and page.locator("#scrub").is_visible()
+    page.get_by_role("button", name="Next: The slip").click()
+    asked(page)
+    page.get_by_role("button", name="End tour").click()
+    assert "tour=" not in page.url
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("stop", STOPS)
 @pytest.mark.parametrize("query", ["?view=projector", "?more=0"])  # the first has More as well
 def test_a_stop_has_question_answers_reason_picture_and_contact_in_sight_at_every_size(look, query, stop):
-    page, found = opened(look(query), stop), {}
+    page = opened(look(query), stop)
     asked(page)
-    for phase in ("ask", "why"):
-        found |= {(phase, size): faults for size in SIZES if (faults := unseen_at(page, stop, phase, size))}
-        if phase == "ask":
-            page.evaluate("punch.speed = 40")
-            page.keyboard.press("2")
-            page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
-    assert not found
+    assert not unseen(page, stop, "ask")
+    page.evaluate("punch.speed = 40")
+    page.keyboard.press("2")
+    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    assert not unseen(page, stop, "why")
 
 
 @pytest.mark.thorough

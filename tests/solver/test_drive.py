@@ -33,6 +33,16 @@ def sheared(scene):
     return [frame for frame in load_path(scene) if frame.stage == "shear"]
 
 
+def up_to_slip(scene):
+    """The frames in shear up to the first that slips."""
+    frames = []
+    for frame in load_path(scene):
+        frames += [frame] * (frame.stage == "shear")
+        if frame.stage == "shear" and frame.slips:
+            return frames
+    raise AssertionError("no slip")
+
+
 class Driven:
     """Prandtl-Tomlinson: a node on springs of layer and drive in series, 1/k = h/G + 1/k_t."""
 
@@ -87,21 +97,19 @@ def test_soft_drive_makes_a_smoothly_sliding_flat_stick_and_slip():
 def test_driven_punch_follows_the_states_of_the_rigid_drive_to_where_the_stage_turns():
     """A softer drive ends the branch where dX = dU_x + dF/(w k_t) = 0, before the fold of the rigid one."""
     scene = PUNCH.changed(drive_t=8.0)
-    soft, k = sheared(scene), scene.width * 1e-3 * scene.drive_t
-    fold = next(event.load for frame in sheared(PUNCH) for event in frame.slips)
+    (*soft, slipped), k = up_to_slip(scene), scene.width * 1e-3 * scene.drive_t
+    fold = up_to_slip(PUNCH)[-1].slips[0].load
 
     def force(U_x):
         return sheared(PUNCH.changed(u_x_max=U_x, du_x=U_x / 10.0))[-1].F
 
-    before = soft[: next(i for i, frame in enumerate(soft) if frame.slips)]
-    for frame in before[5 :: len(before) // 6]:
-        assert abs(frame.F - force(frame.U_x_top)) < 1e-7 * before[-1].F
+    for frame in soft[5 :: len(soft) // 6]:
+        assert abs(frame.F - force(frame.U_x_top)) < 1e-7 * soft[-1].F
     # towards its fold F is smooth in the root of the distance, s
     s = 0.02 + 0.48 * np.cos(np.linspace(0.0, np.pi / 2, 12)) ** 2
     stage = np.polynomial.Polynomial.fit(s, [fold - each**2 + force(fold - each**2) / k for each in s], 9)
     turns = [root.real for root in stage.deriv().roots() if abs(root.imag) < 1e-9 and s.min() < root.real < s.max()]
-    end = next(event.load for frame in soft for event in frame.slips)
-    assert len(turns) == 1 and end == pytest.approx(float(stage(turns[0])), abs=1e-5)
+    assert len(turns) == 1 and slipped.slips[0].load == pytest.approx(float(stage(turns[0])), abs=1e-5)
 
 
 def at_no_load(scene):

@@ -1,6 +1,7 @@
 """Other loadings: unloading, loops, a held load, damping below critical, parameters changed on the way."""
 
 import pickle
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -30,11 +31,16 @@ PATHS = [
 # LoadSteps
 
 
+@cache
+def run_of(scene):
+    return list(load_path(scene))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("values", PATHS)
 def test_every_leg_begins_where_the_previous_one_ended(values):
     scene = SMALL.changed(u_x_max=4.0, **values)
-    frames = list(load_path(scene))
+    frames = run_of(scene)
     names = list(dict.fromkeys(f.stage for f in frames))
     assert names == [step.stage for step in load_steps_of(scene)]
     for before, after in pairwise(names):
@@ -47,7 +53,7 @@ def test_every_leg_begins_where_the_previous_one_ended(values):
 @pytest.mark.parametrize("values", PATHS)
 def test_slices_of_every_path_give_the_frames_of_an_uninterrupted_run(values):
     scene = SMALL.changed(u_x_max=4.0, **values)
-    whole, sliced, checkpoint = list(load_path(scene)), [], None
+    whole, sliced, checkpoint = run_of(scene), [], None
     while checkpoint is None or not checkpoint.done:
         frames, checkpoint = advance(scene, pickle.loads(pickle.dumps(checkpoint)), budget=0.0)
         sliced += frames

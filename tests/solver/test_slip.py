@@ -58,7 +58,7 @@ def test_slips_at_the_onset_of_stick_slip_do_not_depend_on_the_increment(phi_rat
 @pytest.mark.parametrize(
     "values",
     [
-        {"E": 20.0, "phi_ratio": 2.0, "delta_bar": 1.0},
+        {"E": 20.0, "phi_ratio": 2.0, "delta_bar": 1.0, "u_x_max": 34.0},
         {"E": 10.0, "u_x_max": 34.0},
         {"E": 10.0, "phi_ratio": 2.0, "delta_bar": -0.15, "u_x_max": 38.0},  # flutter, and a fold after it
     ],
