@@ -352,10 +352,10 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     box = page.locator("#regimes .view").bounding_box()
     x, y = box["x"] + frame["left"] + 0.7 * frame["width"], box["y"] + frame["top"] + 0.3 * frame["height"]
     page.mouse.move(x, y)
-    page.wait_for_function("charts.regimes_map.pointed")
-    said = page.evaluate(
-        "(({ pointed }) => charts.regimes_map.says(charts.regimes_map.placeOf(pointed)))(charts.regimes_map)"
-    )
+    said = page.wait_for_function(
+        "(({ pointed }) => pointed && charts.regimes_map.says(charts.regimes_map.placeOf(pointed)))"
+        "(charts.regimes_map)"
+    ).json_value()
     assert [line.split(":")[0] for line in said[:2]] == ["press depth δ/δ₀", "friction / adhesion φₜ/φₙ"]
     page.mouse.click(x, y)
     changed = f"punch.status.values.delta_bar > {before[0]} && punch.status.values.phi_ratio !== {before[1]}"
