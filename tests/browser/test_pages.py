@@ -353,8 +353,7 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     x, y = box["x"] + frame["left"] + 0.7 * frame["width"], box["y"] + frame["top"] + 0.3 * frame["height"]
     page.mouse.move(x, y)
     said = page.wait_for_function(
-        "(({ pointed }) => pointed && charts.regimes_map.says(charts.regimes_map.placeOf(pointed)))"
-        "(charts.regimes_map)"
+        "(({ pointed }) => pointed && charts.regimes_map.says(charts.regimes_map.placeOf(pointed)))(charts.regimes_map)"
     ).json_value()
     assert [line.split(":")[0] for line in said[:2]] == ["press depth δ/δ₀", "friction / adhesion φₜ/φₙ"]
     page.mouse.click(x, y)
