@@ -124,3 +124,21 @@ def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_mark
         dice.choice(actions)(page, dice)
         show(page, dice)
         assert page.evaluate("wrong") == []
+
+
+WAITS = """() => {
+    const { picture: { run, k }, at } = punch, { sentence: { nowSentence } } = modules
+    punch.playing = false // in one go with a run on its way that has not got there
+    punch.run = Object.create(run, { length: { value: Math.floor(at / 2) }, sheared: { value: -1 } })
+    return nowSentence(run, k).text
+}"""
+
+
+def test_the_sentence_of_a_picture_comes_to_rest_while_the_run_to_come_has_not_got_there(visit):
+    page = visit("?more=1", **PLAYING)
+    finished(page)
+    imported(page, "sentence")
+    page.locator("#sentence", has_text="Sliding in jerks").wait_for()
+    rests = page.evaluate(WAITS)
+    page.wait_for_function("!punch.fresh")
+    assert page.locator("#sentence").text_content() == rests != "Sliding in jerks"

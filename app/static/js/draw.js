@@ -33,7 +33,7 @@ const shown = () => Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run
 function draw() {
   const { run, film } = me, time = performance.now()
   if (film) return drawIncrement(film.run, film.k)
-  if (!run?.length || (run.sheared < 0 && !me.following && me.at > run.length - 1)) return
+  if (!run?.length || (run.sheared < 0 && !me.following && me.at > run.length - 1)) return tellPicture()
   const k = shown()
   by("scrub").max = run.whole ? run.length - 1 : Math.max(run.length - 1, Number(by("scrub").max) || 0)
   if (run.sheared >= 0) {
@@ -75,6 +75,11 @@ function drawStage(run, k, time) {
 function again(pause) {
   clearTimeout(timer)
   timer = setTimeout(() => touch("run"), pause)
+}
+
+// The picture stays until the increment to show has come; once the hand rests, so does its sentence
+function tellPicture() {
+  if (me.picture && !me.playing && !me.dragging) tellNow(me.picture.run, me.picture.k)
 }
 
 // All that shows frame k of a run, or of a motion through a slip
