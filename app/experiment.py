@@ -89,7 +89,8 @@ class Experiment(param.Parameterized):
     def send(self, kind: str, **content: Any) -> None:
         """Set a parameter of the Stage to a dictionary, whose values are those of JSON, or bytes."""
         if not self.closed:
-            self.stage.param.update({kind: content | {"sent": next(self.sent)}})
+            with document.sending(self.doc):
+                self.stage.param.update({kind: content | {"sent": next(self.sent)}})
 
     def may_change(self, model: str, attribute: str) -> bool:
         """Whether the browser may set an attribute of the model with this id: of the Stage, what has an order."""
@@ -121,7 +122,8 @@ class Experiment(param.Parameterized):
             self.acknowledged = given["n"]
         try:
             if "content" in given:
-                self.stage.param.update({name: {}})  # nothing keeps a file
+                with document.sending(self.doc):
+                    self.stage.param.update({name: {}})  # nothing keeps a file
             method, values = orders.read(self.orders[name], given)
             method(**values)
             pictured = bool(values.get("held")) and self.pursuit.state == "following"

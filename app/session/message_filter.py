@@ -13,7 +13,7 @@ from typing import Any
 from bokeh.util.token import get_session_id
 from panel.io.server import WSHandler
 from tornado.ioloop import IOLoop
-from tornado.websocket import WebSocketClosedError
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from app.environment import VISITORS
 from app.experiment import visitors
@@ -46,6 +46,7 @@ class MessageFilter(WSHandler):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self.parts, self.name, self.rejected, self.silent = 0, None, False, True
+        self.written: list[Any] = []  # parts of a message
 
     def set_default_headers(self) -> None:
         self.clear_header("Server")
@@ -131,7 +132,21 @@ class MessageFilter(WSHandler):
     async def send_message(self, message: Any) -> None:
         """Send a message, unless the browser has left meanwhile. Bokeh would log a warning for each one that waits."""
         with suppress(WebSocketClosedError):
-            await message.send(self)
+            try:
+                await message.send(self)
+            finally:
+                written, self.written = self.written, []
+                await asyncio.gather(*written)
+
+    async def write_message(self, message: Any, binary: bool = False, locked: bool = True) -> None:
+        """Write a part of a message; `send_message` waits until all are on their way.
+
+        While a message is written no other can be, and Panel 1.9 may keep such a one until the next.
+        """
+        if locked:
+            await super().write_message(message, binary)
+        else:
+            self.written.append(WebSocketHandler.write_message(self, message, binary))
 
     def _check(self, message):
         """Raise ValueError for a message that no page sends. Changes of what is gone are dropped: it was replaced."""

@@ -1,11 +1,18 @@
 """What app/document.py uses of Bokeh beyond its documentation."""
 
+import asyncio
+from threading import Thread
+
+import panel as pn
 from bokeh.document import Document
 from bokeh.io import curdoc
 from bokeh.models import Div
-from visitor import ended
+from bokeh.server.session import ServerSession
+from tornado.ioloop import IOLoop
+from visitor import ended, waited
 
 from app import document
+from app.experiment import Experiment
 
 
 def test_models_added_in_a_frozen_document_are_known_afterwards():
@@ -25,3 +32,18 @@ def test_a_destroyed_document_makes_no_call_and_raises_nothing():
     document.later(doc, lambda: calls.append(2))
     del doc
     assert calls == [1] and curdoc() is not None
+
+
+def test_panel_knows_the_document_of_what_a_worker_has_caused_to_be_sent():
+    """Else it puts the change off until the next callback, and others overtake it: findings/panel-coroutine-..."""
+
+    async def visit():
+        doc, known = Document(), asyncio.Queue()
+        experiment = Experiment(doc, lambda _: None)
+        experiment.stage.param.watch(lambda change: known.put_nowait(pn.state.curdoc is doc), "status")
+        ServerSession("visitor", doc, io_loop=IOLoop.current())
+        worker = Thread(target=document.later, args=(doc, lambda: experiment.send("status", run=1)))
+        worker.start()
+        return await known.get()
+
+    assert waited(visit())

@@ -34,7 +34,7 @@ class Visit:
     def __init__(self, session, monkeypatch):
         self.session, self.obeyed, self.closed = session, [], []
         self.filter = message_filter.MessageFilter.__new__(message_filter.MessageFilter)
-        self.filter.parts, self.filter.name, self.filter.rejected = 0, None, False
+        self.filter.parts, self.filter.name, self.filter.rejected, self.filter.written = 0, None, False, []
         self.filter.request = SimpleNamespace(remote_ip="192.0.2.9")
         self.filter.receiver = Receiver(Protocol())
         self.filter.connection = SimpleNamespace(session=SimpleNamespace(document=session.doc, patch=self._patch))
@@ -162,6 +162,28 @@ def test_messages_that_wait_when_a_browser_leaves_are_dropped_without_a_word(vis
     with caplog.at_level(logging.INFO):
         waited(visit.filter.send_message(Protocol().create("ACK")))
     assert not caplog.records and not visit.closed
+
+
+def test_no_message_waits_while_the_parts_of_another_are_on_their_way(visit, monkeypatch):
+    """Panel 1.9 may keep what has to wait until the next message."""
+    written, handler = [], visit.filter
+    handler.write_lock = locks.Lock()
+
+    def write(_, part, binary=False):
+        written.append(part)
+        return asyncio.get_running_loop().create_future()  # until the browser has read it
+
+    monkeypatch.setattr(message_filter.WebSocketHandler, "write_message", write)
+
+    async def send():
+        message = asyncio.ensure_future(handler.send_message(Protocol().create("ACK")))
+        await asyncio.sleep(0)
+        free = handler.write_lock._block._value != 0  # as Panel looks
+        message.cancel()
+        return free
+
+    assert waited(send())
+    assert len(written) == 3  # header, metadata, content
 
 
 def test_other_visitors_are_served_during_a_flood_of_messages(visit):
