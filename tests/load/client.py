@@ -75,7 +75,7 @@ class Tab:
 
     def patch(self, order):
         """The content of a message that gives an order, {"do": parameter of the Stage, name: value}."""
-        new = Serializer().encode({name: value for name, value in order.items() if name != "do"})
+        new = Serializer(deferred=False).encode({name: value for name, value in order.items() if name != "do"})
         return {"events": [{"kind": "ModelChanged", "model": {"id": self.wire}, "attr": order["do"], "new": new}]}
 
     async def order(self, what, **values):
