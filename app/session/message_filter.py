@@ -2,7 +2,8 @@
 
 Bokeh parses and applies the messages. It would also add roots, or change the title; this module rejects such messages.
 Of the experiment a browser sets the parameters of the Stage that have an order, and nothing else. Undocumented in
-Bokeh 3.9: the handler of "/ws" has the `receiver`, `handler` and `connection` of a session.
+Bokeh 3.9: the handler of "/ws" has the `receiver`, `handler` and `connection` of a session, and `write_lock`, which
+Panel looks at.
 """
 
 import asyncio
