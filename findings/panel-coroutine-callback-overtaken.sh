@@ -73,6 +73,7 @@ async def visit(address):
         for part in ({"msgid": str(number), "msgtype": kind}, {}, content):
             await socket.write_message(json.dumps(part))
 
+    await until('"ACK"')
     await send(1, "PULL-DOC-REQ", {})
     inputs = {model["attributes"].get("title"): model["id"] for model in spinners(await until('"roots"'))}
     shown = inputs.pop("shown")
