@@ -17,7 +17,7 @@ def test_views_make_room_for_the_parameter_drawer(look, size):
     drawer = page.get_by_role("dialog", name="Parameters")
     drawer.wait_for()
     laid_out(page)
-    page.wait_for_function(f"() => !({FAULTS})().length")
+    assert page.evaluate(FAULTS) == []
     page.locator("main figure:visible").last.scroll_into_view_if_needed()
     page.mouse.wheel(0, 5000)
     page.wait_for_function("() => scrollY + innerHeight >= document.documentElement.scrollHeight - 1")
