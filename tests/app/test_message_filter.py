@@ -16,7 +16,7 @@ from bokeh.protocol.receiver import Receiver
 from bokeh.util.token import generate_jwt_token
 from panel.reactive import Syncable
 from tornado import locks
-from tornado.websocket import WebSocketClosedError
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from visitor import say, waited
 
 from app import pages
@@ -173,7 +173,7 @@ def test_no_message_waits_while_the_parts_of_another_are_on_their_way(visit, mon
         written.append(part)
         return asyncio.get_running_loop().create_future()  # until the browser has read it
 
-    monkeypatch.setattr(message_filter.WebSocketHandler, "write_message", write)
+    monkeypatch.setattr(WebSocketHandler, "write_message", write)
 
     async def send():
         message = asyncio.ensure_future(handler.send_message(Protocol().create("ACK")))
