@@ -2,11 +2,11 @@
 
 `python tests/load/hostile.py --messages 10000 [--clients 5] [--visitors 3] [--flood] [--seed 0]` starts the server
 itself, on loopback, and is bounded by its number of messages. Orders are those that the session declares, with values
-that fit, or nearly. `--flood` sends valid orders and the longest messages. Before, it requests
-addresses that Panel and Bokeh would serve, and sends halves of long requests. Afterwards silent connections fill the
-server. It prints tracebacks, memory, the lag of the server's loop, whether every visitor's runs came to their end, and
-when a place is free again. It exits with 1 if a traceback was logged, a visitor is stuck, silence keeps others out, or
-an address that is not listed was answered.
+that fit, or nearly. `--flood` sends valid orders and the longest messages. Before, it requests addresses that Panel and
+Bokeh would serve, and sends halves of long requests. Afterwards silent connections fill the server. It prints
+tracebacks, memory, the lag of the server's loop, whether every visitor's runs came to their end, and when a place is
+free again. It exits with 1 if a traceback was logged, a visitor is stuck, silence keeps others out, or an address that
+is not listed was answered.
 """
 
 import argparse
