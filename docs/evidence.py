@@ -150,6 +150,12 @@ COMMANDS = {
         "Pictures over values of the slider, and the age of a picture when it is drawn.",
         (BENCH + "latency.py", "--drag", "--moves", "40"),
     ),
+    "visit": Entry(
+        "Load",
+        "A first visit",
+        "Largest contentful paint, first picture, and bytes, by pages and websocket.",
+        (BENCH + "visit.py",),
+    ),
     "lab": Entry(
         "Load",
         "The research pages",

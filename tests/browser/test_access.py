@@ -174,7 +174,7 @@ def test_tab_key_reaches_visible_named_controls_in_order_without_a_trap(visit):
         raise AssertionError("the tab key does not leave the page")
     assert 20 < len(stops) < 60
     assert not [stop for stop in stops if not (stop["name"] and stop["ring"] >= 2)]
-    wanted = ["preset", "tour", "more", "menu", "delta_bar", "lens", "play", "scrub"]
+    wanted = ["preset", "tour", "more", "menu", "lens", "delta_bar", "play", "scrub"]
     found = [stop["id"] for stop in stops if stop["id"] in wanted]
     assert found == wanted  # in the order of the page
     page.keyboard.press("Shift+Tab")

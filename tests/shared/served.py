@@ -51,7 +51,7 @@ FAULTS = """() => {
         if (!clips && e.scrollHeight > e.clientHeight + 2) said.push(`${name(e)} is lower than its contents`)
     }
     // what stays on the screen while the rest scrolls lies above the rest by intention
-    const layer = (e) => e.closest('.player, .side, :is(#drawer, #theory) > .top, dialog')
+    const layer = (e) => e.closest('.reach, header, :is(#drawer, #theory) > .top, dialog')
     const strip = document.getElementById('row')?.getBoundingClientRect() // scrolls: what lies beyond it is not seen
     const beyond = (e) => e.closest('#row') && e.getBoundingClientRect().right > strip.right
     const controls = all('button, input, select, a, [role=slider]').filter((e) => !beyond(e))
