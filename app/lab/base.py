@@ -14,7 +14,7 @@ from app.lab import TEXT, back, slider_name
 from app.on_loop import on_loop
 from app.service.caller import Lost
 from app.service.jobs import jobs
-from app.service.tasks import Failed, tried
+from app.service.tasks import tried
 from app.session.controls import CONTROLS, RANGES, changed_scene
 from solver import Scene
 from solver.live_plots import Curve, chart, draw
@@ -113,11 +113,8 @@ class LabPage(param.Parameterized):
             self._task, self.share, self.text = None, None, "Cancelled."
 
     async def call(self, function: Callable[..., Any], *arguments: Any, **how: Any) -> Any:
-        """Return function(*arguments), computed by a worker; raises ValueError where the arguments have no result."""
-        result = await jobs.result(tried, function, *arguments, owner=id(self), **how)
-        if isinstance(result, Failed):
-            raise ValueError(result.why)
-        return result
+        """Return function(*arguments), computed by a worker; raises Lost, or ValueError where there is no result."""
+        return await jobs.result(tried, function, *arguments, owner=id(self), **how)
 
     async def run(self, task: Callable[[Scene], Any], scenes: Iterable[Scene]) -> None:
         """Set `found` to {scene: task(scene)} as results come; `text` names the scenes without one."""
@@ -125,7 +122,7 @@ class LabPage(param.Parameterized):
         for done, scene in enumerate(scenes, 1):
             try:
                 found[scene] = await self.call(task, scene)
-            except ValueError as error:
+            except (Lost, ValueError) as error:
                 failed.append(f"{scene}: {error}.")
             self.share = done / len(scenes)
             if monotonic() > drawn + APART or done == len(scenes):

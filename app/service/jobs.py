@@ -14,7 +14,6 @@ In a session, `Jobs.start` calls back instead: see `app/service/requests.py` and
 """
 
 import asyncio
-from collections import deque
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
 from concurrent.futures import CancelledError
 from contextlib import aclosing, suppress
@@ -32,12 +31,10 @@ from app.service.pool import HEAVY, LATER, NOBODY, Pool
 from app.service.pool import pool as shared_pool
 from app.service.worker import Part, compute
 from solver import Scene
-from solver.continuation.state import OutOfTime
 
 CAPACITY = 150e6  # bytes of cached results, about 70 runs and the tables of all pages
 LARGEST = 10e6  # bytes of one cached result: a larger one would displace many that others need
-ATTEMPTS = 3  # attempts at a part that loses its worker or takes too long, before the job fails
-MOST = 8  # jobs in the background that a visitor has in the pool at once; the others wait here
+ATTEMPTS = 3  # attempts at a part that loses its worker, before the job fails
 ERROR = RuntimeError("the server could not compute it; its log says why")
 Notify = Callable[["Job"], None]
 
@@ -57,7 +54,7 @@ class Job:
         self.task: Any = None  # the part in the pool, or None
         self.since = monotonic()  # s: its parts are as old as it
         self.state = begin  # further arguments of the next part
-        self.begun = self.done = self.shared = self.streams = self.heavy = False
+        self.done = self.shared = self.streams = self.heavy = False
 
 
 class Jobs:
@@ -67,7 +64,6 @@ class Jobs:
         self.pool, self._lock = pool, RLock()
         self.results = Cache(capacity)  # (call, result) by call
         self._shared: dict[tuple, Job] = {}  # jobs in progress by call
-        self._background: dict[object, deque[Job]] = {}  # jobs in the background by owner, in order
 
     def start(
         self,
@@ -96,15 +92,12 @@ class Jobs:
                 job.streams, job.shared = streams, not private
                 if job.shared:
                     self._shared[call] = job
-                if rank == LATER:
-                    self._background.setdefault(owner, deque()).append(job)
             if notify not in job.listeners:
                 job.listeners.append(notify)
             if rank < job.rank:
                 self._move_up(job, owner, rank)
-            if job.task is None and (job.begun or job.rank != LATER):
+            if job.task is None:
                 self._submit(job)
-            self._submit_next(owner)
             return job
 
     def leave(self, job: Job, notify: Notify) -> None:
@@ -115,12 +108,6 @@ class Jobs:
             if not job.listeners and not job.done:
                 self._forget(job)
                 self._abandon(job)
-
-    def clear(self) -> None:
-        """Drop all results and jobs, for tests."""
-        with self._lock:
-            for kept in (self.results, self._shared, self._background):
-                kept.clear()
 
     async def parts(self, function: Callable, *arguments: Any, owner: object, **how: Any) -> AsyncIterator[Any]:
         """Yield the parts of function(*arguments) as they come; how: as for `start`."""
@@ -170,7 +157,6 @@ class Jobs:
 
     def _submit(self, job: Job) -> None:
         """Submit the next part of a job."""
-        job.begun = True
         how: dict[str, Any] = {"hear": partial(self._heard, job)} if job.streams else {}
         rank = max(job.rank, HEAVY) if job.heavy else job.rank
         how |= {"owner": job.owner, "rank": rank, "seconds": job.seconds, "since": job.since}
@@ -179,7 +165,6 @@ class Jobs:
 
     def _move_up(self, job: Job, owner: object, rank: int) -> None:
         """Give a job the rank of a visitor who needs it sooner; its task is no longer in the queue."""
-        self._no_background(job)
         job.owner, job.rank = owner, rank
         if job.task is not None and not job.task.running():
             self._abandon(job)
@@ -187,26 +172,11 @@ class Jobs:
     def _abandon(self, job: Job) -> None:
         task, job.task = job.task, None
         if task is not None:
-            self.pool.abandon(task, end=job.streams)
-
-    def _submit_next(self, owner: object) -> None:
-        """Submit jobs of a visitor in the background, up to MOST."""
-        for job in list(self._background.get(owner, ()))[:MOST]:
-            if not job.begun:
-                self._submit(job)
-
-    def _no_background(self, job: Job) -> None:
-        waiting = self._background.get(job.owner, deque())
-        if job in waiting:
-            waiting.remove(job)
-            if not waiting:
-                del self._background[job.owner]
-            self._submit_next(job.owner)
+            self.pool.abandon(task)
 
     def _forget(self, job: Job) -> None:
         if self._shared.get(job.call) is job:
             del self._shared[job.call]
-        self._no_background(job)
 
     # The following methods are called in the thread of a worker.
 
@@ -230,7 +200,7 @@ class Jobs:
                 made = ERROR if getattr(error, "kind", "") == "error" else error
             if isinstance(made, Part):
                 self._continue(job, made)
-            elif _may_be_repeated(made) and job.lost + 1 < ATTEMPTS:
+            elif getattr(made, "kind", "") == "crash" and job.lost + 1 < ATTEMPTS:
                 job.lost += 1
                 job.parts = [] if job.streams else job.parts
                 self._submit(job)
@@ -267,14 +237,9 @@ def _ended(call: tuple[Any, ...], result: Any) -> Job:
     return job
 
 
-def _may_be_repeated(made: Any) -> bool:
-    """Whether another attempt may end in another way: the worker ended, or the machine was busy."""
-    return isinstance(made, OutOfTime) or getattr(made, "kind", "") == "crash"
-
-
 def _is_final(made: Any) -> bool:
     """Whether the same call always ends like this."""
-    return not isinstance(made, (Lost, CancelledError, OutOfTime)) and not getattr(made, "failure", "")
+    return not isinstance(made, (Lost, CancelledError)) and not getattr(made, "failure", "")
 
 
 def _count(made: Any) -> None:

@@ -35,7 +35,7 @@ OPEN = (
     "APP_SCHEDULER is a tcp:// address: whoever reaches this scheduler can run any code on it and its workers."
     " Use it in a trusted network only, or use tls://"
 )
-STOPS = 10.0  # s that a cancelled generator may take to its next item. After that its process is killed
+STOPS = 10.0  # s that a cancelled call may still take. After that its process is killed
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 
@@ -128,10 +128,10 @@ class Pool:
                 self._dispatch()
         return task
 
-    def abandon(self, task: Task, end: bool = False) -> None:
+    def abandon(self, task: Task) -> None:
         """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once.
 
-        end: also stop it, as it takes long: at its next item, or after STOPS with its worker.
+        One that may take long is also stopped: a generator at its next item, others after STOPS with their worker.
         """
         if task.cancel():
             with self._lock:
@@ -139,7 +139,8 @@ class Pool:
             return
         task.abandoned = True
         with self._lock:
-            caller = task.slot.caller if end and task.slot and task.slot.task is task else None
+            long = task.limit >= self.patience + STOPS and task.slot and task.slot.task is task
+            caller = task.slot.caller if long else None
         if caller is not None:
             caller.stop()
             timer = Timer(STOPS, self._end, (task, caller))

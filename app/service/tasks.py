@@ -2,7 +2,7 @@
 
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -12,6 +12,7 @@ import numpy as np
 import segno
 
 from app.service import packing, worker
+from app.service.caller import Lost
 from app.service.worker import Part
 from solver import LIMITS, DataError, Frame, NotConverged, Profile, Scene, advance, read_profile
 from solver.analysis.comparison import noise_in
@@ -23,6 +24,7 @@ from solver.analysis.measurement import Measurement
 from solver.analysis.recording import KINDS
 from solver.analysis.sensitivities import sensitivities
 from solver.analysis.toughness import toughness
+from solver.continuation.state import Outcome
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
@@ -50,7 +52,7 @@ def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[flo
     return toughness(scene, np.radians(angles)).tolist()
 
 
-def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str | None:
+def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | Exception | None:
     """Return {"U" (nm), "F", "L" (N/m)} of the first slip of a run, None without one; a Part; or why it failed."""
     found, _, checkpoint = slices.first_slip(scene, state, SLICE, worker.SLOW)
     if found:
@@ -58,22 +60,21 @@ def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | str
         return {"U": slip.load, "F": slip.F_bar * frame.unit, "L": slip.L_bar * frame.unit}
     if not checkpoint.done:
         return Part(checkpoint)
-    return str(NotConverged(checkpoint.failure)) if checkpoint.failure else None
-
-
-@dataclass(frozen=True)
-class Failed:
-    """Why a call has no result, a sentence without its full stop."""
-
-    why: str
+    return _failure(NotConverged(checkpoint.failure, checkpoint.outcome)) if checkpoint.failure else None
 
 
 def tried(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Return function(*arguments), or Failed where the arguments have no result."""
+    """Return function(*arguments); where the arguments have no result, the Exception that says why."""
     try:
         return function(*arguments)
     except (NotConverged, NotFollowed, ValueError) as error:
-        return Failed(f"{error}".rstrip("."))
+        return _failure(error)
+
+
+def _failure(error):
+    """Return why there is no result, without a full stop: a Lost if that may be the fault of a busy machine."""
+    why = f"{error}".rstrip(".")
+    return Lost("hang", why) if getattr(error, "outcome", None) is Outcome.OUT_OF_TIME else ValueError(why)
 
 
 def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
@@ -85,7 +86,7 @@ def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]
     if checkpoint.failure:
-        raise NotConverged(checkpoint.failure)
+        raise NotConverged(checkpoint.failure, checkpoint.outcome)
     return done if checkpoint.done else Part((done, checkpoint))
 
 

@@ -53,7 +53,7 @@ def onset(scene, state=(None, ()), budget=inf, limit=inf) -> Onset | tuple:
     if at:
         return _onset([*rows, (at.load, at.F_bar, at.A_bar, at.L_bar)], True)
     if checkpoint.failure:
-        raise NotConverged(checkpoint.failure)
+        raise NotConverged(checkpoint.failure, checkpoint.outcome)
     ended = checkpoint.done or (shear and beyond(shear[-1]))
     return _onset(rows, False) if ended else (checkpoint, rows)
 

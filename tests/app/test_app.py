@@ -253,7 +253,7 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
     page.order("hello")
     page.until("finished")
     undisturbed = page.curve("F_bar")
-    page.session.jobs.clear()
+    page.session.jobs.results.clear()
     monkeypatch.setattr(pursuit, "FIRST", 60.0)  # the whole run is one slice
     lost = pool.replaced
     page.order("hello")

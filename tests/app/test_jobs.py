@@ -1,7 +1,8 @@
-"""Jobs: shared between visitors, cancelled when unused, repeated after a lost worker, bounded for each visitor."""
+"""Jobs: shared between visitors, cancelled when unused, repeated after a lost worker."""
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
+from time import sleep
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +12,7 @@ from app.service import metrics, worker
 from app.service import pool as pools
 from app.service.cache import size_of
 from app.service.caller import Lost
-from app.service.jobs import MOST, Jobs
+from app.service.jobs import Jobs
 from app.service.packing import Frames
 from app.service.pool import HEAVY, LATER, SCREEN
 from app.service.requests import Requests
@@ -150,25 +151,21 @@ def test_equal_private_calls_are_not_shared(jobs, tasks):
     assert len(tasks) == 2
 
 
-def test_a_visitor_has_a_limited_number_of_background_tasks(jobs, tasks, seen):
-    mine, other = requests(jobs, seen), requests(jobs)
-    mine.add([(abs, -k) for k in range(40)])
-    assert len(tasks) == MOST
-    other.add([(abs, -50)])
-    assert len(tasks) == MOST + 1  # of another visitor
-    mine.add_one((abs, -60), seen.append, rank=SCREEN)
-    assert len(tasks) == MOST + 2  # the screen does not wait for the background
-    for task in iter(lambda: next((task for task in tasks if not task.done()), None), None):
-        task.set_result(abs(task.call[1]))
-    assert sorted(seen) == [*range(40), 60]
-
-
 def test_a_cancelled_sweep_leaves_no_job(jobs, tasks):
     mine = requests(jobs)
     for k in range(1000):
         mine.ask((abs, -k), lambda result: None)
     mine.cancel()
-    assert all(task.cancelled() for task in tasks) and not jobs._shared and not jobs._background
+    assert all(task.cancelled() for task in tasks) and not jobs._shared
+
+
+def test_a_failure_of_a_busy_machine_is_not_kept_for_others(jobs, tasks, seen):
+    for failure in (Lost("hang", "no equilibrium within 10 s"), ValueError("no equilibrium")):
+        for _ in range(2):
+            requests(jobs).add_one(CALL, seen.append)
+            if not tasks[-1].done():
+                tasks[-1].set_result(failure)
+    assert len(tasks) == 3  # the second failure is that of the scene
 
 
 def test_a_background_job_moves_up_when_a_visitor_needs_it_on_the_screen(jobs, tasks, seen):
@@ -240,27 +237,25 @@ def test_items_of_a_generator_are_the_parts_of_its_job(jobs, tasks):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("pause", "stops", "replaced"), [(0.02, 60.0, 0), (600.0, 0.5, 1)])
-def test_a_cancelled_generator_stops_at_its_next_item_and_costs_its_worker_only_if_none_comes(
-    pool, monkeypatch, pause, stops, replaced
+@pytest.mark.parametrize(("call", "stops", "replaced"), [("items", 60.0, 0), ("no item", 0.5, 1), ("plain", 0.5, 1)])
+def test_a_cancelled_call_stops_at_its_next_item_and_costs_its_worker_only_if_none_comes(
+    pool, monkeypatch, call, stops, replaced
 ):
     from helpers import until
 
     monkeypatch.setattr(pools, "STOPS", stops)
-    jobs, heard = Jobs(pool), []
-    lost = pool.replaced
-    job = jobs.start((endless, pause), heard.append, owner="me", streams=True, seconds=600.0)
-    until(lambda: heard)
+    jobs, lost = Jobs(pool), pool.replaced
+    made = {"items": (endless, 0.02), "no item": (endless, 600.0), "plain": (sleep, 600.0)}[call]
+    job = jobs.start(made, print, owner="me", streams=call != "plain", seconds=600.0)
+    until(lambda: job.task.running())
     task = job.task
-    jobs.leave(job, heard.append)
+    jobs.leave(job, print)
     until(lambda: task.done() and pool.ready == pool.size)
     assert pool.replaced == lost + replaced
 
 
 def endless(pause):
     """A generator that never ends, with so many s between its items."""
-    from time import sleep
-
     while True:
         yield SimpleNamespace()
         sleep(pause)

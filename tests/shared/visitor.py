@@ -138,7 +138,7 @@ class NoPool:
     def position(self, task):
         return None
 
-    def abandon(self, task, end=False):
+    def abandon(self, task):
         task.cancel()
 
 
