@@ -1,15 +1,29 @@
-"""What this app uses of a Bokeh document beyond its documentation; tests/app/test_document.py guards it.
+"""How Bokeh and Panel call this app, and what it uses of a document; tests/app/test_document.py guards it.
 
-`doc.models.freeze` and Panel's `set_curdoc` are internal.
+Bokeh 3.10 calls plain functions in threads, so that those of two visitors run at the same time. Whatever Bokeh or Panel
+calls later is passed through `on_loop`. An exception is a callback for the end of a session, which must be plain: both
+call it on the loop. `doc.models.freeze` and Panel's `set_curdoc` are internal.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from contextlib import AbstractContextManager
+from typing import Any
 
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from app.on_loop import on_loop
+
+def on_loop(call: Callable[..., Any], *arguments: Any) -> Callable[..., Coroutine[Any, Any, Any]]:
+    """Return a coroutine function that makes a call on the loop, under the lock of the document.
+
+    arguments: the first ones of the call.
+    """
+
+    async def called(*more: Any) -> Any:
+        return call(*arguments, *more)
+
+    called.lock = True  # type: ignore[attr-defined]  # else Panel runs it without the lock of the document
+    return called
 
 
 def frozen(doc: Document) -> AbstractContextManager[None]:

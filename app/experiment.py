@@ -16,7 +16,7 @@ from bokeh.document import Document
 from bokeh.models import CustomJS, Div
 
 from app import document, page
-from app.on_loop import on_loop
+from app.document import on_loop
 from app.pages import Pages
 from app.service import metrics, tasks
 from app.service.jobs import Jobs

@@ -1,22 +1,25 @@
-"""The routes of the server. It answers the ones listed here, and all others with 404.
+"""The routes of the server. It answers the ones listed here, under the host names it accepts, and all others with 404.
 
 `panel serve` adds routes of its own. One of them, `/components/<module>/...`, imports the module that a visitor names.
-Undocumented in Bokeh 3.9: the patterns in `bokeh.server.urls`, which every server answers, and the class
-`bokeh.server.server.BokehTornado`, which this module replaces; in Tornado 6.6: `Application.wildcard_router`, and
-the `params` of a connection.
+The host names are those of --allow-websocket-origin, and the loopback names. Tornado 6.6 accepts a websocket of the
+page's own origin without asking Bokeh to check it: any name that resolves to this machine would do (DNS rebinding).
+Undocumented in Bokeh 3.9: the patterns in `bokeh.server.urls`, which every server answers, the class
+`bokeh.server.server.BokehTornado`, which this module replaces, and `check_allowlist`; in Tornado 6.6:
+`Application.wildcard_router`, and the `params` of a connection.
 """
 
 import logging
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from bokeh.server import server, urls
 from bokeh.server.tornado import BokehTornado
+from bokeh.server.util import check_allowlist
 from bokeh.settings import settings
 from panel.io.resources import DIST_DIR
 
 from app import server_log
-from app.hosts import refused_host
 from app.session.message_filter import MessageFilter
 from app.web import Files, ForeignHost, Liveness, Metrics, NotFound, Page, Root, Scripts
 
@@ -78,9 +81,15 @@ class Application(BokehTornado):
         fields = {"status": status, "method": request.method, "path": request.path[:200], "peer": request.remote_ip}
         log.log(logging.ERROR if status == 500 else logging.INFO, event, extra=fields)
 
-    def add_handlers(self, host_pattern: Any, host_handlers: Any) -> None:
-        """Reject routes that are added later."""
-        raise ValueError(f"The server has no routes but those in {__name__}. Add {host_handlers} there.")
+
+def refused_host(request: Any, origins: Any) -> str | None:
+    """Return the host name of a request if it is not allowed, else None; origins: of --allow-websocket-origin."""
+    allowed = settings.allowed_ws_origin() or origins
+    origin = request.headers.get("Origin")
+    for host in [request.host, *([urlsplit(origin).netloc] if origin else [])]:
+        if not server_log.OWN.fullmatch(host.lower()) and not check_allowlist(host.lower(), allowed):
+            return host
+    return None
 
 
 def require() -> None:

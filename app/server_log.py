@@ -15,11 +15,10 @@ from urllib.parse import urlsplit
 
 from tornado.websocket import WebSocketClosedError
 
-from app.hosts import OWN
-
 log = logging.getLogger("app")
 USUAL = {*vars(logging.makeLogRecord({})), "message", "asctime", "taskName"}
 HERE = Path(__file__).parent
+OWN = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")  # these names reach no other machine
 BARE = re.compile(r"[\w.:/+-]+")
 _bound = dict[str, str]()  # {"port": of this process}, once a server listens
 ANYWHERE = ("192.0.2.1", 9)  # reserved for documentation; used to find the own address, nothing is sent

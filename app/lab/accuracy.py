@@ -11,8 +11,8 @@ from typing import Any
 import panel as pn
 import param
 
+from app.document import on_loop
 from app.lab.base import LabPage, side_by_side
-from app.on_loop import on_loop
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
 from solver.accuracy.compare import Point

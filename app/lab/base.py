@@ -10,8 +10,8 @@ from typing import Any
 import panel as pn
 import param
 
+from app.document import on_loop
 from app.lab import TEXT, back, slider_name
-from app.on_loop import on_loop
 from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.tasks import tried
@@ -155,7 +155,7 @@ class LabPage(param.Parameterized):
     def _slider(self, control):
         limits, value = RANGES[control.name], getattr(self.scene, control.name)
         look = {"sizing_mode": "stretch_width"}
-        step = 0.01 if control.high < 10 else 1.0
+        step = 0.01 if control.positions[-1] < 10 else 1.0
         name, ends = slider_name(control), {"start": limits.low, "end": limits.high}
         entry = pn.widgets.FloatInput(label=name, value=value, step=step, **ends, **look)
         slider = pn.widgets.IntSlider(end=len(control.positions) - 1, show_value=False, **look)

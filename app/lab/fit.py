@@ -14,8 +14,8 @@ import pandas as pd
 import panel as pn
 import param
 
+from app.document import on_loop
 from app.lab.base import LabPage, side_by_side
-from app.on_loop import on_loop
 from app.service import tasks
 from app.service.pool import HEAVY
 from app.session.measured import kept

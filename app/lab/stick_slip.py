@@ -11,10 +11,10 @@ import panel as pn
 import param
 from bokeh.models import LinearColorMapper
 
+from app.document import on_loop
 from app.lab import TEXT
 from app.lab.base import LabPage, side_by_side
 from app.limits import INCREMENTS, increments_of
-from app.on_loop import on_loop
 from app.service import tasks
 from solver import Scene, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force, tau_max

@@ -1,20 +1,22 @@
-"""A Skeleton as it goes to a browser, which computes every increment of the run from it (static/js/skeleton.js).
+"""Predicted runs while a visitor drags a slider, and how they go to a browser (static/js/skeleton.js).
+
+A worker continues the run on screen to the new parameters; the browser computes every increment from its Skeleton.
 
 The deflated bytes are: uint32 length of the head, the head in JSON, and, of all branches in order, float64 loads (n,)
 in nm and their states (n, size). A state has u_x and the gap of each node, and U_z under a held load. Of the first
 state come int32 steps from node to node, of the others int16 steps of the change since the state before.
 """
 
-import json
-import struct
+import re
 import zlib
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from app.limits import FLAT
-from app.service.packing import of_scene
-from solver import NotFollowed, Scene
+from app.service.packing import headed, of_scene
+from solver import NotFollowed, Scene, follow
 from solver.continuation.trace import Branch
 from solver.following.skeleton import Skeleton
 from solver.mechanics.cohesive_law import law_constants
@@ -25,6 +27,24 @@ LEVEL = 4  # of zlib: 6 takes 1 to 3 % fewer bytes, and three times as long, whi
 LARGEST = 2**15 - 1  # of an int16
 GAIN = 4.0  # by which interpolation may amplify the error of rounding
 COARSEST = 1e-3  # nm: rounded more coarsely, states would give wrong forces; it is enough for moves of 33 nm
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A predicted run: its `body` for the browser, and the Skeleton from which the next prediction starts."""
+
+    body: bytes
+    skeleton: Skeleton
+
+
+def followed(skeleton: Skeleton, scene: Scene) -> Followed | str:
+    """Predict a scene from the Skeleton of a similar scene; return its Followed, or a str: why it failed."""
+    try:
+        with np.errstate(invalid="ignore"):  # `packed` finds it
+            there = follow(skeleton, scene)
+            return Followed(packed(there), there)
+    except NotFollowed as why:
+        return re.sub(r"\d[\d.e+-]*", "n", str(why))  # metrics count reasons without their numbers
 
 
 def packed(skeleton: Skeleton) -> bytes:
@@ -51,9 +71,8 @@ def packed(skeleton: Skeleton) -> bytes:
         "branches": [_branch(branch) for branch in branches],
         "slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips],
     }
-    text = json.dumps(head).encode()
     loads = np.concatenate([branch.loads for branch in branches])
-    return zlib.compress(struct.pack("<I", len(text)) + text + loads.tobytes() + row.tobytes() + rows.tobytes(), LEVEL)
+    return zlib.compress(headed(head, loads.tobytes() + row.tobytes() + rows.tobytes()), LEVEL)
 
 
 def _refined(branch):

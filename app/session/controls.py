@@ -1,5 +1,6 @@
 """The parameters a visitor may change: three sliders, and a drawer with all others. Reads and checks entries."""
 
+import hashlib
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -7,9 +8,9 @@ from math import inf
 from typing import Any
 
 import numpy as np
+from cachetools import LRUCache
 
 from app.limits import DEFAULT, FLAT, INCREMENTS, MOST, NUMBERS, increments_of
-from app.session import profiles
 from solver import CHOICES, LIMITS, DataError, Profile, Scene, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
@@ -28,14 +29,6 @@ class Control:
     unit: str
     meaning: str
     positions: tuple
-
-    @property
-    def low(self) -> float:
-        return self.positions[0]
-
-    @property
-    def high(self) -> float:
-        return self.positions[-1]
 
 
 def _even(low, high, step):
@@ -90,6 +83,7 @@ FOR_BROWSER = (
     *("class", "ask", "change", "check"),
 )
 STAYS = " The run on screen stays."
+_profiles = LRUCache(32)  # uploaded ones of this server by the name in an address, the latest used
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -222,7 +216,7 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
     base = presets()[name].scene
     if "profile" in entries:
         try:
-            base = base.changed(measured=profiles.profile_of(entries["profile"]))
+            base = base.changed(measured=profile_of(entries["profile"]))
         except DataError as error:
             notes.append(f"profile: {error}.")
     remarks = []
@@ -264,5 +258,21 @@ def address_of(scene: Scene, preset: str) -> dict[str, str]:
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
     if scene.surface == "measured" and scene.measured is not None:
-        values["profile"] = profiles.name_of(scene.measured)
+        values["profile"] = name_of(scene.measured)
     return ({} if preset == DEFAULT else {"preset": preset}) | values
+
+
+def name_of(profile: Profile) -> str:
+    """Keep a Profile, and return its name."""
+    heights: Any = profile.heights  # bytes, once it is made
+    name = hashlib.sha256(heights + f" {profile.length!r}".encode()).hexdigest()[:12]
+    _profiles[name] = profile
+    return name
+
+
+def profile_of(name: str) -> Profile:
+    """Return the Profile of a name; raises DataError."""
+    profile = _profiles.get(name)
+    if profile is None:
+        raise DataError("this server does not have the profile of this address. Choose the file again")
+    return profile

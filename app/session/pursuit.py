@@ -1,16 +1,8 @@
 """The computation for a visitor, one coroutine: it follows a held slider, or computes the exact run. The newest wins.
 
-A drag, from the slider to the screen:
-
-1. `steer.js` sends the newest position after the server has answered the previous one: an order "scene" with `held`.
-2. `Experiment.change` reads the order and hands the scene to `Pursuit.request`.
-3. `Pursuit` starts one job. A newer request waits until the job ends; those in between are dropped.
-4. A worker continues the run on screen to the new parameters and packs its skeleton (service/following.py).
-5. `Pursuit` sends the skeleton, whose number acknowledges the order, and takes the newest request.
-6. `skeleton.js` computes the increments from it, and `player.js` puts the run on screen.
-
-The exact run replaces the predicted one RESTS after the visitor has released the slider. If following is impossible,
-the exact run starts at once. `tests/bench/follow.py` measures how far both are apart.
+docs/slider_step.md follows a drag from the slider to the screen. The exact run replaces the predicted one RESTS after
+the visitor has released the slider. If following is impossible, it starts at once. `tests/bench/follow.py` measures how
+far both are apart.
 """
 
 import logging
@@ -19,13 +11,13 @@ from functools import partial
 from typing import Any
 
 from app import document
+from app.document import on_loop
 from app.limits import increments_of
-from app.on_loop import on_loop
 from app.service import metrics, worker
-from app.service.following import Followed, followed
 from app.service.jobs import Job
 from app.service.packing import Frames
 from app.service.pool import EXACT, SCREEN
+from app.service.skeletons import Followed, followed
 from app.session import orders
 from app.session.orders import order
 from app.session.run import ERROR, Request, Run

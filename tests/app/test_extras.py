@@ -8,8 +8,7 @@ from visitor import Page, messages, say
 
 from app.service import tasks, worker
 from app.session import orders, share
-from app.session.controls import address_of, scene_from_address
-from app.session.profiles import name_of
+from app.session.controls import address_of, name_of, scene_from_address
 from app.session.run import Run
 from app.session.share import SCANNED, python_lines
 from solver import Profile, Scene

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from visitor import NoPool, Page, messages, say, slices, unpacked, whole_run
 
-from app.service import following, metrics, packing, skeletons, worker
+from app.service import metrics, packing, skeletons, worker
 from app.service.jobs import Jobs
 from app.service.pool import EXACT, SCREEN
 from app.session import pursuit
@@ -34,7 +34,7 @@ def sheared(run):
 
 
 def test_a_prediction_is_small_and_has_the_slips_of_the_exact_run(runs):
-    made = following.followed(runs[SCENE].skeleton, NEXT)
+    made = skeletons.followed(runs[SCENE].skeleton, NEXT)
     assert len(made.body) < MOST
     head = head_of(made.body)
     exact, _ = sheared(runs[NEXT])
@@ -77,7 +77,7 @@ def test_skeleton_of_a_sliced_run_equals_that_of_a_whole_run(runs):
 
 def test_a_prediction_that_is_impossible_gives_a_reason(runs):
     assert (
-        following.followed(runs[SCENE].skeleton, SCENE.changed(surface="wave"))
+        skeletons.followed(runs[SCENE].skeleton, SCENE.changed(surface="wave"))
         == "surface does not change continuously"
     )
 
@@ -122,10 +122,10 @@ def test_only_the_newest_slider_position_is_predicted_next(page):
     for value in (0.01, 0.02, 0.03, 0.04):
         move(page, value)
     assert page.status()["acknowledged"] not in (1.0, 2.0, 3.0, 4.0)  # the predictions acknowledge these orders
-    assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.01]
-    page.pool.answer(page, following.followed, following.Followed(b"!", b"skeleton"))
+    assert [task.call[2].delta_bar for task in page.pool.waiting(skeletons.followed)] == [0.01]
+    page.pool.answer(page, skeletons.followed, skeletons.Followed(b"!", b"skeleton"))
     assert page.messages == [{"kind": "skeleton", "acknowledged": 1.0, "body": b"!"}]
-    (task,) = page.pool.waiting(following.followed)
+    (task,) = page.pool.waiting(skeletons.followed)
     assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04)) and task.rank == SCREEN
     assert not page.pool.waiting(worker.compute)  # no run
 
@@ -138,8 +138,8 @@ def test_a_drag_whose_prediction_waits_in_the_queue_is_acknowledged_within_a_sec
     page.run_next()
     assert page.status()["acknowledged"] == 1.0
     move(page, 0.02)
-    page.pool.answer(page, following.followed, following.Followed(b"!", b"skeleton"))
-    assert [task.call[2].delta_bar for task in page.pool.waiting(following.followed)] == [0.02]
+    page.pool.answer(page, skeletons.followed, skeletons.Followed(b"!", b"skeleton"))
+    assert [task.call[2].delta_bar for task in page.pool.waiting(skeletons.followed)] == [0.02]
 
 
 def test_only_what_has_changed_is_sent_again(page):
@@ -163,7 +163,7 @@ def test_a_part_of_a_run_carries_its_run_state_and_count(page):
 
 def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     move(page, 0.01)
-    (task,) = page.pool.waiting(following.followed)
+    (task,) = page.pool.waiting(skeletons.followed)
     page.order("restore", preset="fig7-case1")
     assert task.cancelled() and page.pool.waiting(worker.compute)
     while not page.calls.empty():
@@ -173,7 +173,7 @@ def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
 
 def test_exact_run_starts_a_second_after_the_release_behind_predictions_of_others(page, runs):
     move(page, 0.02)
-    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     sent = len(page.chunks)
     page.order("release")
     assert not page.pool.waiting(worker.compute)
@@ -188,7 +188,7 @@ def test_exact_run_starts_a_second_after_the_release_behind_predictions_of_other
 
 def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(page, runs):
     move(page, 0.02)
-    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release")
     move(page, 0.03)
     while not page.calls.empty():
@@ -198,7 +198,7 @@ def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(p
 
 def test_exact_run_starts_at_once_for_those_who_need_it(page, runs):
     move(page, 0.02)
-    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release", exact=True)
     (task,) = page.pool.waiting(worker.compute)
     assert task.call[1] == NEXT
@@ -208,38 +208,38 @@ def test_a_new_drag_cancels_the_exact_run(page, runs):
     move(page, 0.02)
     page.order("release", exact=True)
     assert not page.pool.waiting(worker.compute)  # one call at a time: the prediction comes first
-    page.pool.answer(page, following.followed, following.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     (task,) = page.pool.waiting(worker.compute)
     move(page, 0.03)
-    assert task.cancelled() and page.pool.waiting(following.followed)
+    assert task.cancelled() and page.pool.waiting(skeletons.followed)
 
 
 def test_exact_run_starts_at_once_if_a_prediction_fails_and_the_reason_is_counted(page):
     move(page, 0.02)
     move(page, 0.05)
-    page.pool.answer(page, following.followed, 'the contact is "lost"')
+    page.pool.answer(page, skeletons.followed, 'the contact is "lost"')
     (task,) = page.pool.waiting(worker.compute)
     assert task.call[1] == SCENE.changed(delta_bar=0.05) and task.rank == SCREEN  # the newest position
     assert page.status()["state"] == "running"
     assert b'contact_not_followed_total{reason="the contact is \\"lost\\""} 1.0\n' in metrics.text()
     task.set_running_or_notify_cancel()
     move(page, 0.06)
-    assert not page.pool.waiting(following.followed)
+    assert not page.pool.waiting(skeletons.followed)
     page.pool.answer(page, worker.compute, whole_run(task.call[1]))
-    (task,) = page.pool.waiting(following.followed)  # from the run that has just ended
+    (task,) = page.pool.waiting(skeletons.followed)  # from the run that has just ended
     assert task.call[2].delta_bar == 0.06 and page.session.run.scene.delta_bar == 0.05
 
 
 def test_a_long_exact_run_is_ended_for_the_newest_position(page, monkeypatch):
     monkeypatch.setattr(pursuit, "SOON", 0.0)
     move(page, 0.02)
-    page.pool.answer(page, following.followed, "no reason")
+    page.pool.answer(page, skeletons.followed, "no reason")
     (task,) = page.pool.waiting(worker.compute)
     task.set_running_or_notify_cancel()
     for value in (0.03, 0.04):
         move(page, value)
     page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 0.0))
-    (task,) = page.pool.waiting(following.followed)
+    (task,) = page.pool.waiting(skeletons.followed)
     assert task.call[2].delta_bar == 0.04
 
 
@@ -274,7 +274,7 @@ def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
 
 def test_a_prediction_lost_with_its_worker_starts_an_exact_run(page):
     move(page, 0.02)
-    page.pool.waiting(following.followed)[0].set_exception(RuntimeError("killed"))
+    page.pool.waiting(skeletons.followed)[0].set_exception(RuntimeError("killed"))
     page.run_next()
     assert page.pool.waiting(worker.compute)
 
@@ -286,5 +286,5 @@ def test_a_predicted_state_that_is_not_finite_counts_as_not_followed(runs, monke
         states = [state._replace(v=np.full_like(state.v, np.nan)) for state in first.states]
         return replace(there, trace=replace(there.trace, branches=(replace(first, states=states), *others)))
 
-    monkeypatch.setattr(following, "follow", broken)
-    assert "not finite" in following.followed(runs[SCENE].skeleton, NEXT)
+    monkeypatch.setattr(skeletons, "follow", broken)
+    assert "not finite" in skeletons.followed(runs[SCENE].skeleton, NEXT)

@@ -16,7 +16,7 @@ from bokeh.server.session import ServerSession
 from tornado.ioloop import IOLoop
 
 from app import document
-from app.on_loop import on_loop
+from app.document import on_loop
 
 APP = Path(document.__file__).parent
 CALLED = {  # method of a document or of Panel's state: position of the callback

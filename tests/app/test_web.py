@@ -200,7 +200,7 @@ def test_no_route_answers_under_a_foreign_host_name(address, name, caplog):
 
 
 def test_bokeh_is_not_asked_about_the_origin_of_its_own_page(address, monkeypatch):
-    """When it is asked again, `app/hosts.py` may be unnecessary."""
+    """When it is asked again, the check of hosts in `app/routes.py` may be unnecessary."""
     asked = []
     monkeypatch.setattr(WSHandler, "check_origin", lambda self, origin: not asked.append(origin))
     token, host = tokens(get(f"{address}/app")[2]), address.removeprefix("http://")
