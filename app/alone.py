@@ -14,8 +14,7 @@ from jinja2 import Environment
 from app import assets, page
 from app.service import packing, worker
 from app.session.controls import NAMES
-from solver import Scene
-from solver.scene import LIMITS, PARAMETERS
+from solver.scene import LIMITS
 
 BASE = """<!DOCTYPE html>
 <html lang="en" data-embed data-alone>
@@ -81,9 +80,10 @@ def _scripts():
 
 def _words(scene):
     """Return the parameters of a Scene that are not the usual ones, in words."""
-    usual, given = vars(Scene()), vars(scene)
-    names = [name for name in PARAMETERS if str(given[name]) != str(usual[name])]
-    return ", ".join(f"{name} = {_value(name, given[name])}" for name in names) or "the default scene"
+    return (
+        ", ".join(f"{name} = {_value(name, value)}" for name, value in scene.differences().items())
+        or "the default scene"
+    )
 
 
 def _value(name, value):

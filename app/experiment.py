@@ -48,10 +48,7 @@ class Experiment(param.Parameterized):
     notes = param.List(item_type=str, doc="on how an address, an entry or a file was read")
     errors = param.Dict({}, doc="{parameter: why its entry was refused}")
 
-    def __init__(
-        self, doc: Document, pages: Callable[[Any], Any], arguments: Any = None, jobs: Jobs = shared_jobs
-    ) -> None:
-        """pages(experiment) makes the pages beside the experiment."""
+    def __init__(self, doc: Document, arguments: Any = None, jobs: Jobs = shared_jobs) -> None:
         scene, preset, notes = controls.scene_from_address(arguments or {})
         super().__init__(scene=scene, preset=preset, notes=notes)
         self.doc, self.jobs, self.closed = doc, jobs, False
@@ -61,7 +58,7 @@ class Experiment(param.Parameterized):
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
         self.pursuit = Pursuit(self)
-        self.pages = pages(self)
+        self.pages = Pages(self)
         self.sharing, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.marks, self.curve, self.attendance = Marks(self), MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
@@ -251,7 +248,7 @@ def serve() -> None:
     """Add a visitor's Stage to the current document."""
     doc = pn.state.curdoc
     try:
-        experiment = Experiment(doc, Pages, pn.state.session_args)
+        experiment = Experiment(doc, pn.state.session_args)
         doc.on_session_destroyed(lambda session_context: experiment.close())
         add_to(doc, experiment.stage)
         experiment.own = doc.roots[0].data.id

@@ -122,8 +122,6 @@ class Root(Plain):
 class Page(Plain, DocHandler):
     """The page with a token of a session, which starts when the browser connects; or a page with an error."""
 
-    initialize = DocHandler.initialize
-
     @authenticated
     async def get(self, *_: Any) -> None:
         self.set_header("Cache-Control", "no-store")  # the page has the token

@@ -195,10 +195,9 @@ def session():
     from visitor import NoPool, ended
 
     from app.experiment import Experiment
-    from app.pages import Pages
     from app.service.jobs import Jobs
 
-    visit = Experiment(Document(), Pages, {}, Jobs(NoPool()))
+    visit = Experiment(Document(), {}, Jobs(NoPool()))
     visit.doc.add_next_tick_callback = lambda call: ended(call())  # no server: at once
     yield visit
     visit.close()

@@ -19,7 +19,6 @@ from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
 from solver.live_plots import PALE, WORKS, Curve, work_precision
 
-TITLE = "Accuracy"
 STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
 BEFORE = [Point(**row) for row in STORED["points"]]
 SWEPT = "tolerance"
@@ -29,7 +28,6 @@ LONGEST = 600.0  # s, time limit of a measurement
 class Accuracy(LabPage):
     """Error over work of a scene, and of the default scene as measured before."""
 
-    TITLE = TITLE
     STATEMENT = (
         "Both methods solve the scene at several tolerances, up to just beyond its first slip. Numbers in the plots:"
         " tolerance (nm). Error: largest relative difference of F, L or A before the first slip from a run with a tenth"

@@ -19,7 +19,6 @@ from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, Onset
 from solver.live_plots import COLOURS, DASHES, ORANGE, Curve
 from solver.presets import presets
 
-TITLE = "Area laws"
 BEYOND = 1.0  # delta_bar beyond those of Fig. 8, where the threshold line bends
 DEPTHS = (*INDENTATIONS, BEYOND)
 OWN = "this interface"
@@ -40,7 +39,6 @@ NAMES = [OWN, *(f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}" fo
 class AreaLaws(LabPage):
     """Contact area over friction of the interface on screen and of the three of the paper."""
 
-    TITLE = TITLE
     STATEMENT = (
         "Paper: under shear the contact area shrinks as Ā = Ā₀ − ζF̄² (Eq. 8), and at the onset of sliding friction is"
         " F̄_s = τ_c Ā_s + F̄_s,nc (Eq. 9), with friction at no contact area. Each series is one interface at"

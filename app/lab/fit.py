@@ -27,7 +27,6 @@ from solver.analysis.recording import Recording
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
 from solver.text import counted
 
-TITLE = "Fit"
 FREE = {  # label: parameter that can be free
     "adhesion φₙ (N/m)": "phi_n",
     "friction / adhesion φₜ/φₙ": "phi_ratio",
@@ -48,7 +47,6 @@ NARROW = {"sizing_mode": "stretch_width", "stylesheets": [".bk-input-group { fle
 class Fit(LabPage):
     """A measurement, the curve of the scene, and the last fit."""
 
-    TITLE = TITLE
     STATEMENT = (
         "Choose a measured curve: a CSV of up to 2 MB with columns U_x (nm) and F (N/m) or F_bar; L or L_bar and A_bar"
         " if measured. Or generate example data: an interface slightly different from this one, with noise. Move the"

@@ -22,7 +22,6 @@ from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, mean_friction,
 from solver.live_plots import COLOURS, DASHES, ORANGE, Curve
 from solver.presets import presets
 
-TITLE = "Stick-slip"
 NORMAL = 70.0  # GPa, over which forces are taken in the paper's Fig. 4
 FLATS = {  # preset: label of its curve; E in GPa, phi_t in N/m
     "fig4a-blue": "Fig. 4a: E 70, φₜ 0.2",
@@ -40,7 +39,6 @@ ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
 class StickSlip(LabPage):
     """Friction of the interface between two flats over displacement, and its mean over stiffness."""
 
-    TITLE = TITLE
     STATEMENT = (
         "Flat on flat at zero gap, with a rigid drive: nothing but shear. Paper: a strong or soft interface sticks and"
         " slips (Fig. 4a); a weak or stiff one slides continuously, almost without friction (Fig. 4b). Mean friction"

@@ -13,7 +13,6 @@ has not changed is not sent again:
 """
 
 import logging
-from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -50,10 +49,18 @@ class Sheet:
     `sweep` requests many calls from the workers, `single` one at a time.
     """
 
-    def __init__(self, session: Any, publish: Callable[..., None]) -> None:
-        self.session, self.publish = session, publish
+    def __init__(self, session: Any, name: str) -> None:
+        """name: of its folder."""
+        self.session, self.name = session, name
         self.published = {}
         self.sweep, self.single = Requests(session, self.take), Requests(session)
+
+    def publish(self, **news: Any) -> None:
+        """Send what has changed of the news, unless the page is closed."""
+        news = {name: value for name, value in news.items() if self.published.get(name, self) != value}
+        self.published |= news
+        if news and self.session.pages.page is self:
+            self.session.send("opened", **{"open": self.name} | news)
 
     def start(self) -> None:
         """Called when the page opens."""
@@ -82,34 +89,25 @@ class Pages:
 
     def __init__(self, session: Any) -> None:
         self.session = session
-        self.name = ""  # of the open page, or of the last one
-        self.page: Any = None
+        self.page: Any = None  # the open one
 
     def open(self, page: str) -> bool:
         """Show the page of this name instead of the open one, '' for none; return whether there is such a page."""
-        self._leave()
+        self.close()
         if page not in listed():
             return page == ""
-        self.name, self.page = page, self._made(page)
+        self.page = listed()[page].Page(self.session, page)
         self.page.start()
-        self._publish(self.page, {"open": page})
+        self.page.publish(open=page)
         log.info("a visitor opened the page %s", page)
         return True
 
-    def _made(self, name):
-        page = listed()[name].Page(self.session, lambda **news: self._publish(page, news))
-        return page
-
-    def _leave(self):
+    def close(self) -> None:
         """Cancel the calls of the open page."""
         if self.page is not None:
             page, self.page = self.page, None
             page.close()
             self.session.send("opened")
-
-    def close(self) -> None:
-        """Cancel all calls: the visitor left."""
-        self._leave()
 
     def scene_changed(self) -> None:
         """The experiment shows another scene from now on."""
@@ -117,16 +115,9 @@ class Pages:
             try:
                 self.page.scene_changed()
             except Exception:  # the run goes on without the page
-                log.exception("the page %s failed", self.name)
+                log.exception("the page %s failed", self.page.name)
 
     def order(self, **values: Any) -> None:
         """Pass an order from the browser to the open page."""
         if self.page is not None:
             self.page.order(values)
-
-    def _publish(self, page, news):
-        """Send the news of a page, unless it is closed."""
-        news = {name: value for name, value in news.items() if page.published.get(name, self) != value}
-        page.published |= news
-        if news and page is self.page:
-            self.session.send("opened", **{"open": self.name} | news)

@@ -228,10 +228,7 @@ class Pool:
         slot.caller = self.make()
         if self._closing.is_set():  # `close` may have run before the caller existed
             slot.caller.end()
-        if isinstance(slot.caller, Caller):
-            slot.caller.call(worker.start_up, limit=WARMING, hear=self._count_kernels)
-        else:
-            slot.caller.call(worker.start, limit=WARMING)
+        slot.caller.call(worker.start_up, limit=WARMING, hear=self._count_kernels)
         with self._lock:
             if self.status != "ready":
                 log.info("workers are warm")
@@ -258,7 +255,7 @@ class Pool:
     def _run_task(self, slot):
         task = slot.task
         try:
-            result = slot.caller.call(*task.call, limit=task.limit, **({"hear": task.hear} if task.hear else {}))
+            result = slot.caller.call(*task.call, limit=task.limit, hear=task.hear)
         except Lost as lost:
             if lost.kind != "error":
                 raise

@@ -13,9 +13,9 @@ Call = tuple[Any, ...]  # (function, *arguments)
 class Requests:
     """The calls that one part of a page waits for. Every method runs under the lock of the document."""
 
-    def __init__(self, session: Any, take: Callable[[Call, Any], None] | None = None) -> None:
+    def __init__(self, session: Any, take: Any = None) -> None:
         """take(call, result) receives the results of `add`."""
-        self.session, self._take_each = session, take or _ignored
+        self.session, self._take_each = session, take
         self.waiting: dict[Call, Callable[[Any], None]] = {}  # the function that receives the result
         self._jobs: dict[Call, Job] = {}
         self.count = 0
@@ -64,7 +64,3 @@ class Requests:
         self._jobs.pop(call, None)
         if call in self.waiting:
             self.waiting.pop(call)(result)
-
-
-def _ignored(call: Call, result: Any) -> None:
-    """Take no result."""

@@ -7,7 +7,9 @@ far both are apart.
 
 import logging
 import time
+from collections.abc import Callable, Coroutine, Generator
 from functools import partial
+from types import coroutine
 from typing import Any
 
 from app import document
@@ -21,7 +23,6 @@ from app.service.skeletons import Followed, followed
 from app.session import orders
 from app.session.orders import order
 from app.session.run import ERROR, Request, Run
-from app.session.stepped import Stepped, news
 from solver import Scene
 from solver.cautions import cautions
 from solver.following.skeleton import Skeleton
@@ -32,6 +33,46 @@ SOON = 2.0  # s: a run that ends within this time is finished during a drag, as 
 PATIENCE = 0.5  # s that a newer request waits for a part: its budget plus the longest increment of most runs
 RESTS = 1.0  # s without a change before the exact run of a prediction starts: a class changes sliders more often
 WAITS = 1.0  # s in the queue before a visitor sees the position
+
+
+@coroutine
+def news() -> Generator[None, None, None]:
+    """Wait until the coroutine is woken. The reason is not passed on: look what has changed."""
+    yield
+
+
+class Stepped:
+    """Runs a coroutine that awaits nothing but `news()`, so that its steps run under the lock of the document.
+
+    schedule(function) calls it under this lock.
+    """
+
+    def __init__(self, made: Coroutine[Any, Any, None], schedule: Callable[[Callable[[], None]], None]) -> None:
+        self._coroutine, self._schedule = made, schedule
+        self._due = self._running = self._closed = False
+
+    def ring(self, *_: object) -> None:
+        """Wake the coroutine soon; any thread may call this."""
+        if not self._closed:
+            self._schedule(self.step)
+
+    def step(self) -> None:
+        """Wake the coroutine, and return when it waits again. Call this under the lock of the document."""
+        self._due = not self._closed
+        if self._running:  # it looks again before it waits
+            return
+        self._running = True
+        try:
+            while self._due:
+                self._due = False
+                self._coroutine.send(None)
+        finally:
+            self._running = False
+
+    def close(self) -> None:
+        """End the coroutine where it waits."""
+        self._closed = True
+        self._coroutine.close()
 
 
 class Pursuit:

@@ -23,7 +23,6 @@ class Share(Requests):
     def __init__(self, session: Any) -> None:
         super().__init__(session)
         self.code = Requests(session)
-        self.wanted = {}  # {kind: Scene} of files; the first is being written, the other one waits
 
     @order("share", link=orders.is_link)
     def sheet(self, link: str) -> None:
@@ -35,24 +34,16 @@ class Share(Requests):
 
     @order("export", kind=orders.FORMATS.__contains__)
     def export(self, kind: str) -> None:
-        """Let a worker write the file of the run: `kind` is npz or json. One is written after the other."""
-        writing = bool(self.wanted)
-        self.wanted.setdefault(kind, self.session.pursuit.scene)
-        if not writing:
-            self._write()
+        """Let a worker write the file of the run: `kind` is npz or json, one of each at a time."""
+        call = tasks.file_of_run, self.session.pursuit.scene, kind
+        if all(written != kind for *_, written in self.waiting):
+            seconds = tasks.LONGEST_FILE + worker.SLOW
+            self.add_one(call, partial(self._made, kind), rank=HEAVY, seconds=seconds, private=True)
 
-    def _write(self):
-        kind, scene = next(iter(self.wanted.items()))
-        seconds, take = tasks.LONGEST_FILE + worker.SLOW, partial(self._made, kind)
-        self.ask((tasks.file_of_run, scene, kind), take, rank=HEAVY, seconds=seconds, private=True)
-
-    def _made(self, kind, body):
-        del self.wanted[kind]
-        body = body or b""
+    def _made(self, kind, made):
+        body = b"" if isinstance(made, Exception) else made or b""
         why = LARGE if len(body) > LARGEST else "" if body else SLOW
         self.session.send("file", ending=kind, why=why, body=b"" if why else body)
-        if self.wanted:
-            self._write()
 
 
 def python_lines(scene: Scene) -> str:

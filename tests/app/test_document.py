@@ -39,7 +39,7 @@ def test_panel_knows_the_document_of_what_a_worker_has_caused_to_be_sent():
 
     async def visit():
         doc, known = Document(), asyncio.Queue()
-        experiment = Experiment(doc, lambda _: None)
+        experiment = Experiment(doc)
         experiment.stage.param.watch(lambda change: known.put_nowait(pn.state.curdoc is doc), "status")
         ServerSession("visitor", doc, io_loop=IOLoop.current())
         worker = Thread(target=document.later, args=(doc, lambda: experiment.send("status", run=1)))

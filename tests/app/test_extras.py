@@ -176,8 +176,8 @@ def test_many_orders_for_files_leave_few_tasks_and_no_memory(session):
         say(session, {"do": "export", "kind": ("npz", "json")[k % 2], "n": k})
     left = [task for task in session.jobs.pool.tasks if not task.cancelled()]
     assert len([task for task in left if task.call[0] is worker.compute]) == 1
-    assert len([task for task in left if task.call[0] is tasks.file_of_run]) == 1
-    assert len(session.jobs._shared) <= 1 and len(session.sharing.wanted) == 2
+    assert len([task for task in left if task.call[0] is tasks.file_of_run]) == 2
+    assert len(session.jobs._shared) <= 1 and len(session.sharing.waiting) == 2
 
 
 def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_lives(session, monkeypatch):

@@ -7,7 +7,6 @@ import numpy as np
 import panel as pn
 import pytest
 
-from app import lab
 from app.lab import accuracy, area_laws, base, fit, stick_slip
 from app.service import tasks
 from app.service.pool import pool
@@ -42,10 +41,6 @@ def no_running_loop():
 
 def text_of(viewable):
     return " ".join(str(pane.object) for pane in viewable.select(pn.pane.Str))
-
-
-def test_titles_of_the_menu_are_those_of_the_pages():
-    assert {name: lab.module(name).TITLE for name in lab.PAGES} == lab.PAGES
 
 
 def test_accuracy_measures_a_scene_without_a_server():

@@ -11,7 +11,6 @@ import blocks
 import numpy as np
 
 from app.experiment import Experiment
-from app.pages import Pages
 from app.service import worker
 from app.service.jobs import Jobs
 from app.service.pool import Task
@@ -27,7 +26,7 @@ class Page:
 
     def __init__(self, pool, scene=SHORT, arguments=None, jobs=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Experiment(self, Pages, arguments, jobs or Jobs(pool))
+        self.session = Experiment(self, arguments, jobs or Jobs(pool))
         self.session.scene = scene
         self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
         self._change_callbacks = {}  # a document that was destroyed has none
