@@ -131,6 +131,16 @@ class HeldBack:
             self.socket.send(message)
 
 
+def test_a_stored_run_is_on_screen_before_bokeh_is_there(server, browser):
+    page, held = browser.new_page(reduced_motion="reduce"), []
+    page.route("**/bokeh.min.js", lambda route: held.append(route))
+    page.goto(server.address, wait_until="commit")
+    page.wait_for_function("window.punch?.run?.stored && !punch.fresh", timeout=PATIENCE)
+    held[0].continue_()
+    finished(page)
+    page.close()
+
+
 @pytest.mark.slow
 def test_computed_run_replaces_the_stored_one_at_the_same_increment_and_axes(server, browser):
     page = browser.new_page(viewport={"width": 1280, "height": 720}, reduced_motion="reduce")
