@@ -189,6 +189,16 @@ def pool():
 
 
 @pytest.fixture
+def page(pool):
+    """A visitor whose runs the pool computes."""
+    from visitor import Page
+
+    visit = Page(pool)
+    yield visit
+    visit.session.close()
+
+
+@pytest.fixture
 def session():
     """A visitor whose pool does nothing."""
     from bokeh.document import Document
