@@ -10,7 +10,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads tha
 
 import numpy as np
 import pytest
-from served import TROUBLE, Server
+from served import TROUBLE, Server, finished
 from tabs import SharedTab, Tabs
 from xdist.scheduler import LoadFileScheduling
 
@@ -129,9 +129,16 @@ def server(chromium):
 
 @pytest.fixture
 def visit(server, browser):
-    """Open the app in a tab of the test's own."""
+    """visit(address) -> the app in a tab of the test's own, at rest after its run unless `rests` is false."""
     tabs = Tabs(server, browser)
-    yield tabs.open
+
+    def opened(query="", rests=True, **options):
+        page = tabs.open(query, **options)
+        if rests:
+            finished(page)
+        return page
+
+    yield opened
     tabs.close()
     tabs.check()
 

@@ -1,7 +1,7 @@
 """Dragging a slider in Chromium: predictions during the drag, fixed axes, then the exact run."""
 
 import pytest
-from served import PATIENCE, finished, paused_at, values_are
+from served import PATIENCE, enter, finished, paused_at, values_are
 from tabs import imported
 
 pytestmark = pytest.mark.thorough
@@ -59,7 +59,6 @@ def grab(page, name):
 
 def paused(look, query):
     page = look(query)
-    finished(page)
     paused_at(page, 300)
     return page
 
@@ -201,8 +200,7 @@ def test_sentence_updates_its_numbers_when_only_they_change(look):
     page.keyboard.press("End")
     page.wait_for_function("document.getElementById('sentence').textContent.includes('slides without slips')")
     before = page.locator("#sentence").inner_text()
-    page.locator("#phi_ratio-entry").fill("0.008")
-    page.keyboard.press("Enter")
+    enter(page, "phi_ratio", "0.008")
     page.wait_for_function("punch.run.scene.phi_ratio == 0.008 && punch.run.whole")
     page.wait_for_function("(before) => document.getElementById('sentence').textContent !== before", arg=before)
     high = page.evaluate("Math.max(...punch.run.curves.F)")

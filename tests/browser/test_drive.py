@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, finished, from_menu
+from served import PATIENCE, enter, from_menu
 from tabs import imported
 
 from solver import load_path
@@ -21,7 +21,6 @@ def frames():
 def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames):
     """Top and stage of every increment are those of the solver, in the picture and in the CSV."""
     page = look("?preset=soft-drive&more=1")
-    finished(page)
     tops = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.top(k)).slice(punch.run.sheared)")
     assert tops == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
     slip = next(k for k, frame in enumerate(frames) if frame.slips)
@@ -44,7 +43,6 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
 @pytest.mark.thorough
 def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(look):
     page = look("?u_x_max=2&more=1")
-    finished(page)
     assert not page.evaluate("punch.run.driven")
     assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
 
@@ -52,16 +50,13 @@ def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(lo
 @pytest.mark.thorough
 def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
     page = look("?drive_t=4&u_x_max=3&more=1")
-    finished(page)
     assert "drive_t=4" in page.url
     entered = page.evaluate("punch.status.values")
     assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
     from_menu(page, "#parameters")
-    page.locator("#drive_t-entry").fill("0")
-    page.keyboard.press("Enter")
+    enter(page, "drive_t", "0")
     page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)
-    page.locator("#drive_t-entry").fill("inf")
-    page.keyboard.press("Enter")
+    enter(page, "drive_t", "inf")
     page.wait_for_function("punch.status.values.drive_t === 'inf' && punch.status.state === 'finished'")
     assert "drive_t" not in page.url
 

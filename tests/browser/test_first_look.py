@@ -37,8 +37,7 @@ def visible(page, parts):
 
 
 def large(page):
-    page.set_viewport_size({"width": 1440, "height": 900})
-    laid_out(page)
+    laid_out(page, (1440, 900))
     return page
 
 

@@ -1,7 +1,7 @@
 """A class that answers, in Chromium: a teacher's screen and two students."""
 
 import pytest
-from served import PATIENCE, finished
+from served import PATIENCE
 
 pytestmark = pytest.mark.thorough
 
@@ -13,7 +13,6 @@ def room(visit):
     for _ in range(3):
         pages.append(visit("?class=quad&more=0"))
         pages[-1].wait_for_function("window.punch?.lesson", timeout=PATIENCE)
-        finished(pages[-1])
     return pages
 
 
@@ -55,15 +54,15 @@ def test_votes_are_counted_shown_and_decided_by_the_run(room):
 def test_a_late_student_joins_at_the_stop_of_the_class_and_may_leave_it(room, visit):
     teacher = room[0]
     teacher.locator("#tour").click()
-    late = visit("?class=QUAD&more=0")
+    late = visit("?class=QUAD&more=0", rests=False)
     late.get_by_role("heading", name="1 of 9: First").wait_for(timeout=PATIENCE)
     late.get_by_role("button", name="End tour").click()
     assert late.locator("#scrub").is_visible() and late.locator("#E").is_enabled()
 
 
 def test_the_teachers_own_question_is_answered_by_the_runs_of_both_scenes(visit):
-    teacher = visit("?class=OWNQ&more=0&u_x_max=16&ask=F_s&change=phi_ratio:0.5")
-    student = visit("?class=OWNQ&more=0")
+    teacher = visit("?class=OWNQ&more=0&u_x_max=16&ask=F_s&change=phi_ratio:0.5", rests=False)
+    student = visit("?class=OWNQ&more=0", rests=False)
     student.get_by_text("How large is the friction when it slips").wait_for(timeout=PATIENCE)
     vote(student, "lower")
     teacher.get_by_role("button", name="Show the answers").click()
@@ -76,7 +75,6 @@ def test_the_teachers_own_question_is_answered_by_the_runs_of_both_scenes(visit)
 
 def test_the_menu_opens_a_class_of_four_letters(visit):
     page = visit("?u_x_max=4&more=0")
-    finished(page)
     page.locator("#menu").click()
     page.locator("#class").click()
     page.wait_for_function("punch.lesson?.leads && /class=[A-Z]{4}/.test(location.search)")
@@ -110,4 +108,4 @@ def test_a_teacher_who_loads_the_page_again_leads_the_class_on_from_its_stop(roo
     ],
 )
 def test_a_wrong_code_or_question_is_named_with_its_value(visit, address, said):
-    visit(address).locator("[role=alert]").get_by_text(said).wait_for(timeout=PATIENCE)
+    visit(address, rests=False).locator("[role=alert]").get_by_text(said).wait_for(timeout=PATIENCE)

@@ -4,7 +4,6 @@ import io
 
 import numpy as np
 import pytest
-from served import finished
 
 from solver import Scene, simulate
 from solver.analysis.curve_files import read_measurement
@@ -46,7 +45,6 @@ def run():
 )
 def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(visit, run, kind, x, y, chart):
     page = visit(ADDRESS)
-    finished(page)
     frames = [frame for frame in run.frames if frame.stage == "shear"]
     if x == "F":
         frames = [frame for frame in frames if frame.U_x <= run.first_slip.U_s]
@@ -79,7 +77,6 @@ def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(v
 
 def test_a_curve_longer_than_the_run_is_drawn_and_compared_where_the_run_is(visit):
     page = visit("?u_x_max=4")
-    finished(page)
     dropped(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{0.5 * k},{k}" for k in range(61)))
     page.locator("#laid-says").get_by_text("52 of 61 points lie beyond the run").wait_for()
     assert page.evaluate("charts.forces.parts.laid_F.y.length") > 20
@@ -87,7 +84,6 @@ def test_a_curve_longer_than_the_run_is_drawn_and_compared_where_the_run_is(visi
 
 def test_match_finds_scale_and_zero_and_the_number_follows_a_dragged_slider(visit, run):
     page = visit(ADDRESS)
-    finished(page)
     frames = [frame for frame in run.frames if frame.stage == "shear"]
     dropped(page, made(frames, "U_x", "F", times=0.5, plus=3.0))
     page.click("#laid summary")
@@ -110,7 +106,6 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
     frames = [frame for frame in unloading.frames if frame.stage in ("approach", "unload")]
     rows = [f"{250.0 - frame.delta:.6g},{frame.L:.6g}" for frame in frames]
     page = visit("?path=shear&u_x_max=4")
-    finished(page)
     dropped(page, "\n".join(["height (nm),load (N/m)", *rows]))
     assert "this run has no retraction" in page.inner_text("#laid-says")
     page.click("#laid-path")
@@ -121,7 +116,6 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
 def test_a_curve_that_no_zero_brings_over_the_run_is_not_drawn(visit):
     far = [f"{x},{-1e-9 * x}" for x in range(0, 2000, 4)]  # N over 2 um, falling as the surfaces approach
     page = visit("?path=unload&u_x_max=4")
-    finished(page)
     dropped(page, "\n".join(["height (nm),load (N)", *far, *reversed(far)]))
     page.locator("#laid-says").get_by_text("no zero and positive scale").wait_for()
     assert not page.evaluate("charts.forces.parts.laid_L.y.length")
@@ -129,7 +123,6 @@ def test_a_curve_that_no_zero_brings_over_the_run_is_not_drawn(visit):
 
 def test_a_file_without_its_speed_asks_for_it_and_an_empty_one_loses_nothing(visit):
     page = visit(ADDRESS)
-    finished(page)
     dropped(page, "time (s),F (N/m)\n" + "\n".join(f"{0.1 * k},{k % 30}" for k in range(100)))
     page.fill("#laid-asked", "1.5")
     page.click("#laid-ask button")
@@ -141,7 +134,6 @@ def test_a_file_without_its_speed_asks_for_it_and_an_empty_one_loses_nothing(vis
 
 def test_a_wrong_file_is_refused_in_words_and_loses_nothing(visit, run):
     page = visit(ADDRESS)
-    finished(page)
     frames = [frame for frame in run.frames if frame.stage == "shear"]
     dropped(page, made(frames, "U_x", "F"))
     before = page.evaluate("charts.forces.parts.laid_F.y.length")
@@ -153,7 +145,6 @@ def test_a_wrong_file_is_refused_in_words_and_loses_nothing(visit, run):
 
 def test_fit_from_here_opens_the_page_with_scene_and_curve(visit, run):
     page = visit(ADDRESS)
-    finished(page)
     dropped(page, made([frame for frame in run.frames if frame.stage == "shear"], "U_x", "F"))
     with page.context.expect_page() as opened:
         page.click("#laid-fit")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from served import PATIENCE, faults_at, finished, found_by_axe, laid_out
+from served import PATIENCE, enter, faults_at, finished, found_by_axe, laid_out
 
 from app.pages import listed
 from solver import Scene, release_rates, simulate
@@ -57,8 +57,7 @@ def test_every_page_fits_every_screen_size_without_clipped_captions(opened):
     _, page = opened
     assert not faults_at(page, SIZES)
     for size in (SIZES[0], SIZES[3]):
-        page.set_viewport_size({"width": size[0], "height": size[1]})
-        laid_out(page)
+        laid_out(page, size)
         cut = page.evaluate(
             """() => [...document.querySelectorAll('figcaption, header, nav')]
                 .filter((e) => e.clientWidth && getComputedStyle(e).overflow !== 'visible')
@@ -71,8 +70,7 @@ def test_every_page_fits_every_screen_size_without_clipped_captions(opened):
 @thorough
 def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_phone(opened):
     _, page = opened
-    page.set_viewport_size({"width": 1280, "height": 720})
-    laid_out(page)
+    laid_out(page, (1280, 720))
     assert not found_by_axe(page)
     page.set_viewport_size({"width": 390, "height": 844})
     page.locator("#theme").evaluate("(button) => button.click()")
@@ -85,7 +83,6 @@ def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_p
 @thorough
 def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_behind(visit):
     page = visit()
-    finished(page)
     tools = page.context.new_cdp_session(page)
     tools.send("Performance.enable")
     found = []
@@ -107,7 +104,6 @@ def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_
 @thorough
 def test_page_named_in_the_address_is_open_from_the_start(visit):
     page = visit("?page=law&delta_bar=0.1")
-    finished(page)
     page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
     page.wait_for_function("() => document.getElementById('law-stick').textContent")
     numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
@@ -117,7 +113,6 @@ def test_page_named_in_the_address_is_open_from_the_start(visit):
 def test_edges_on_the_toughness_are_those_of_the_solver(visit):
     """Within the rounding of the fields that a browser receives."""
     page = visit("?page=law&k=180")
-    finished(page)
     frame = simulate(Scene(u_x_max=8.0)).frames[180]
     for label, edge in zip(("trailing", "leading"), release_rates(frame), strict=True):
         part = f"charts.law_toughness?.parts.{label}"
@@ -201,7 +196,6 @@ def test_page_what_matters_marks_the_punch_while_it_is_open_and_a_bar_raises_its
 @thorough
 def test_close_button_and_back_close_a_page_and_change_no_parameter(visit):
     page = visit("?u_x_max=4&du_x=0.5")
-    finished(page)
     opened = "document.querySelector('.page').dataset.page"
     for leave in (page.go_back, lambda: page.locator("#law .close").click()):
         page.evaluate("document.querySelector('nav button[data-page=law]').click()")
@@ -211,8 +205,7 @@ def test_close_button_and_back_close_a_page_and_change_no_parameter(visit):
         leave()
         page.wait_for_function(f"{opened} === '' && !new URLSearchParams(location.search).has('page')")
     page.evaluate("document.querySelector('nav button[data-page=law]').click()")
-    page.fill("#E-entry", "90")
-    page.keyboard.press("Enter")
+    enter(page, "E", "90")
     page.wait_for_function("punch.status.values.E === 90 && location.search.includes('E=90')")
     page.go_back()
     page.wait_for_function(f"{opened} === ''")
@@ -235,7 +228,6 @@ def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
 @thorough
 def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
     page = look("?delta_bar=0.3&nu=0.3")
-    finished(page)
     page.select_option("#preset", "fig4a-red")
     finished(page, run=2)
     values = page.evaluate("punch.status.values")
@@ -249,7 +241,6 @@ def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
 @thorough
 def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
     page, held = visit(""), []
-    finished(page)
     page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
     opened = "Bokeh.documents[0].roots()[0].data.opened.open"
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
@@ -266,7 +257,6 @@ def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
 @thorough
 def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
     page = look()
-    finished(page)
     ordered = page.evaluate(
         """() => {
             const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Stage').data

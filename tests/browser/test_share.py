@@ -86,7 +86,6 @@ def test_link_restores_scene_and_increment(sheet, visit):
     link = sheet.input_value("#share-link")
     assert "k=209" in link
     again = visit(link[link.index("?") :])
-    finished(again)
     again.wait_for_function("punch.drawn === 209 && !punch.playing")
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
 
@@ -94,7 +93,6 @@ def test_link_restores_scene_and_increment(sheet, visit):
 def test_copying_without_a_clipboard_works_or_says_what_to_press(visit):
     """On plain http there is no navigator.clipboard; an unhandled promise was once rejected there."""
     page = visit()
-    finished(page)
     page.evaluate(
         """() => {
             const later = setTimeout
@@ -164,8 +162,7 @@ def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
 
 
 def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
-    sheet.set_viewport_size({"width": 1280, "height": 900})
-    laid_out(sheet)
+    laid_out(sheet, (1280, 900))
     names = sheet.evaluate("[...document.getElementById('share-view').options].map((one) => one.value)")
     assert names[0] == "punch" and "forces" in names
     for name in names:
@@ -185,7 +182,6 @@ def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
 @pytest.mark.thorough
 def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
-    finished(page)
     (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     from_menu(page, "#parameters")
     page.set_input_files("#profile", tmp_path / "wave.csv")

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import finished, laid_out
+from served import laid_out
 
 pytestmark = pytest.mark.thorough
 
@@ -42,7 +42,6 @@ def test_a_flat_shows_no_lens(look):
 
 def test_the_picture_states_once_and_in_words_how_much_it_enlarges_lean_height_and_lens(look):
     page = look()
-    finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1")
     assert page.evaluate(LEAN) == 3 and "×" not in page.evaluate("charts.punch.up")
     page.locator("#solver-figures").click()
@@ -241,8 +240,7 @@ def test_labels_over_the_punch_do_not_overlap(look, query):
     at_first_slip(page)
     found = {}
     for width, height in SIZES:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         for key in ("[", "]", "ArrowRight", "ArrowLeft", "End"):
             page.keyboard.press(key)
             page.evaluate("() => new Promise(requestAnimationFrame)")

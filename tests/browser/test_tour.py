@@ -19,7 +19,7 @@ def asked(page):
 
 @pytest.mark.thorough
 def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
-    page = visit("?tour=2&more=0")
+    page = visit("?tour=2&more=0", rests=False)
     asked(page)
     assert "tour=" not in page.url  # a link from here does not open the tour
     page.evaluate("punch.speed = 40")
@@ -58,7 +58,6 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
 @pytest.mark.thorough
 def test_browser_back_ends_the_tour(visit):
     page = visit("?E=100&more=0")
-    page.wait_for_function("window.punch?.status.state === 'finished'")
     page.evaluate("history.pushState({ entry: 1 }, '', location.href)")
     page.locator("#tour").click()
     asked(page)
@@ -137,8 +136,7 @@ SIZES = ((1920, 1080), (1366, 768), (1280, 720), (1024, 768), (390, 844))
 def unseen_at(page, stop, phase, size):
     """What a stop leaves out of sight, cut or overlapping on a screen of this size, once the page is laid out."""
     of = STOPS[stop], phase, stop in SPRINGS
-    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    laid_out(page)
+    laid_out(page, size)
     with suppress(TookTooLong):
         page.wait_for_function(f"(of) => !({UNSEEN})(of).length", arg=of, timeout=SETTLE)
     return [*page.evaluate(UNSEEN, of), *page.evaluate(FAULTS)]
@@ -148,8 +146,7 @@ def unseen(page, stop, phase):
     """{size: what unseen_at finds}, where it finds anything; the page is as large as before in the end."""
     before = page.viewport_size
     found = {size: faults for size in SIZES if (faults := unseen_at(page, stop, phase, size))}
-    page.set_viewport_size(before)
-    laid_out(page)
+    laid_out(page, before.values())
     return found
 
 
@@ -206,8 +203,7 @@ def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_c
     from_menu(page, "nav [data-page=load]")
     page.wait_for_function("() => parseInt(document.getElementById('load-count').textContent) > 0")
     for width, height in SIZES:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         assert not page.evaluate(FAULTS), (width, height)
         punch, card, plot = (
             page.locator(what).bounding_box() for what in ("#punch-view", "#tour-card", "#load figure .view")

@@ -30,7 +30,6 @@ def enter(page, E):
 
 def test_previous_run_is_grey_until_the_new_one_is_complete(look):
     page = look("?E=20&delta_bar=0.3")
-    finished(page)
     assert not page.evaluate(GREY)
     page.evaluate(DRAWN)
     enter(page, 21.5)
@@ -140,7 +139,8 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
 def test_a_long_run_shows_its_remaining_time_and_can_be_skipped(visit):
     # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
     page = visit(
-        "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200"
+        "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200",
+        rests=False,
     )
     page.get_by_role("button", name="Skip").wait_for(timeout=PATIENCE)
     said = page.locator("#status")

@@ -54,7 +54,6 @@ def test_weakly_attracted_nodes_are_free_but_not_those_at_a_sign_change(look):
 
 def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
     page = look("?preset=fig4a-blue")
-    finished(page)
     half = page.evaluate("charts.punch.x.end")
     for frame in (150, 400):
         paused_at(page, frame)
@@ -88,7 +87,6 @@ def test_exaggeration_factors_and_zeros_are_plain_numbers(look):
 
 def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
     page = look("?preset=unload")
-    finished(page)
     jumps = page.evaluate("[...charts.forces.parts.slips.y]")
     assert jumps and max(jumps) < -0.05  # 10^-3, tensile; the friction is zero
     assert "jump" in page.inner_text("figure[aria-label^='Friction']")
@@ -100,7 +98,6 @@ def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
 
 def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(look):
     page = look("?preset=loop")
-    finished(page)
     slips = "charts.map.parts.slips.x.length"
     for stage in ("shear", "back", "forth"):
         paused_at(page, page.evaluate(f"punch.run.curves.stage.lastIndexOf(punch.run.head.stages.indexOf('{stage}'))"))

@@ -11,7 +11,6 @@ pytestmark = pytest.mark.thorough
 
 def test_enter_in_an_entry_changes_the_scene_without_a_reload(look):
     page = look()
-    finished(page)
     page.evaluate("window.same = true")
     page.locator("#E-entry").fill("80")
     page.locator("#E-entry").press("Enter")
