@@ -156,8 +156,7 @@ class SharedTab:
         try:
             self.tabs.check()
         finally:
-            self.tabs.problems.clear()
-            self.tabs.asked.clear()
+            self.tabs.problems, self.tabs.asked = [], []  # the old ones are what the failure reports
 
     def close(self):
         if self.page:
