@@ -144,11 +144,25 @@ def visit(server, browser):
 
 
 APP = Path(__file__).parent.parent / "app"
+RUN_OF = """() => {
+    window.runOf = async (blocks) => { // the Run of packed blocks in base64
+        const { Run } = await import("http://scripts/js/run.js")
+        const { unpackLater } = await import("http://scripts/js/packed.js")
+        let run = null
+        for (const text of blocks) {
+            const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+            const chunk = await unpackLater({ body: buffer })
+            run ??= new Run(7, chunk.head)
+            run.add(chunk)
+        }
+        return run
+    }
+}"""
 
 
 @pytest.fixture(scope="module")
 def tab(browser):
-    """A blank page at an address of its own from which the modules can be imported; no server, nothing else."""
+    """A blank page at an address of its own from which modules can be imported, with `runOf`; no server."""
     page = browser.new_page()
     kinds = {".js": "text/javascript", ".html": "text/html"}
 
@@ -160,6 +174,7 @@ def tab(browser):
 
     page.route("http://scripts/**", answer)
     page.goto("http://scripts/blank.html")
+    page.evaluate(RUN_OF)
     yield page
     page.close()
 
