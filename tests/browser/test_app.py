@@ -64,18 +64,6 @@ def test_moving_a_slider_changes_the_curve_and_keeps_the_previous_one_until_rese
     assert drawn(page, "forces", "ghost_F") == 0
 
 
-@pytest.mark.thorough
-def test_fast_slider_steps_skip_runs_and_end_at_the_last_position(look):
-    page = look()
-    page.focus("#delta_bar")
-    for _ in range(12):
-        page.keyboard.press("ArrowRight")
-    page.wait_for_function("punch.status.values.delta_bar === 0.12", timeout=PATIENCE)
-    finished(page, run=2)
-    assert page.evaluate("punch.run.values(punch.run.length - 1).delta") == pytest.approx(1.2)
-    assert page.evaluate("punch.status.run - before") <= 13  # one for each move at most
-
-
 CURSOR = """() => {
     return charts.forces.parts.cursor.at === punch.run.curves.U_x[punch.drawn]
 }"""

@@ -221,17 +221,3 @@ def test_pausing_within_a_drag_computes_the_exact_run_and_keeps_the_run_before_t
     page.wait_for_function("!punch.run.followed && punch.run.scene.delta_bar === 0.12", timeout=PATIENCE)
     finished(page)
     assert page.evaluate("punch.ghost.scene.delta_bar") == 0.1
-
-
-def test_dragging_the_punch_down_shows_predictions_then_the_exact_run(look):
-    page = paused(look, "?E=71.9&delta_bar=0.1")
-    page.evaluate("punch.rests = 1e6")  # on however slow a machine, this hand rests when it lets go
-    box = page.locator("#punch-view").bounding_box()
-    x, y = box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"]
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x, y + 8)
-    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar > 0.1", timeout=PATIENCE)
-    page.mouse.up()
-    page.wait_for_function("!punch.run.followed", timeout=PATIENCE)
-    finished(page)

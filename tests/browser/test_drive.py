@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, enter, from_menu
+from served import PATIENCE, enter, finished, from_menu
 from tabs import imported
 
 from solver import load_path
@@ -41,23 +41,17 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
 
 
 @pytest.mark.thorough
-def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(look):
-    page = look("?u_x_max=2&more=1")
-    assert not page.evaluate("punch.run.driven")
-    assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
-
-
-@pytest.mark.thorough
-def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
+def test_drive_is_entered_in_the_parameters_kept_in_the_address_and_drawn_unless_rigid(look):
     page = look("?drive_t=4&u_x_max=3&more=1")
-    assert "drive_t=4" in page.url
+    assert "drive_t=4" in page.url and page.evaluate("punch.run.driven")
     entered = page.evaluate("punch.status.values")
     assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
     from_menu(page, "#parameters")
     enter(page, "drive_t", "0")
     page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)
     enter(page, "drive_t", "inf")
-    page.wait_for_function("punch.status.values.drive_t === 'inf' && punch.status.state === 'finished'")
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.drive_t") == "inf" and not page.evaluate("punch.run.driven")
     assert "drive_t" not in page.url
 
 

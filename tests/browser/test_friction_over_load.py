@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE
+from served import PATIENCE, enter
 from tabs import imported
 
 from app.pages.load.page import DEPTHS
@@ -37,11 +37,6 @@ def said(page, name):
         }""",
         name,
     )
-
-
-def enter(page, name, text):
-    page.fill(f"#{name}-entry", text)
-    page.keyboard.press("Enter")
 
 
 def cleared(look, address):

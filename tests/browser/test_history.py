@@ -6,7 +6,7 @@ from served import FAULTS, PARABOLA, PATIENCE, PLAYING, enter, from_menu, laid_o
 pytestmark = pytest.mark.thorough
 
 
-def test_back_and_forward_go_through_settled_changes(visit):
+def test_back_and_forward_go_through_settled_changes_and_presets(visit):
     page = visit("?du_x=0.5&u_x_max=10")
     page.focus("#delta_bar")
     for _ in range(5):  # one movement of the hand is one change
@@ -25,25 +25,15 @@ def test_back_and_forward_go_through_settled_changes(visit):
     page.go_forward()
     values_are(page, delta_bar=0.05, E=200)
     assert page.input_value("#E-entry") == "200"
-
-
-def test_back_and_forward_go_through_changes_and_pages(visit):
-    page = visit()
     page.select_option("#preset", "fig7-case2")
     values_are(page, delta_bar=0.4)
-    page.wait_for_url("**preset=fig7-case2**")  # a settled change is an entry of the history
-    from_menu(page, "nav [data-page=law]")
-    page.wait_for_url("**page=law**")
-    page.go_back()  # the page was opened last
-    page.wait_for_function("!location.search.includes('page=law')")
-    values_are(page, delta_bar=0.4)
+    page.wait_for_url("**preset=fig7-case2**")
     page.go_back()
-    values_are(page, delta_bar=0)
-    page.wait_for_function("document.getElementById('preset').value === 'fig6'")
+    values_are(page, delta_bar=0.05, E=200)
+    page.wait_for_function("punch.status.preset === 'fig6'")
     page.go_forward()
     values_are(page, delta_bar=0.4)
     page.wait_for_function("document.getElementById('preset').value === 'fig7-case2'")
-    page.wait_for_url("**preset=fig7-case2**")
 
 
 def test_back_after_reset_restores_the_parameter_that_was_changed_last(visit):

@@ -4,6 +4,7 @@ import io
 
 import numpy as np
 import pytest
+from tabs import imported
 
 from solver import Scene, simulate
 from solver.analysis.curve_files import read_measurement
@@ -50,25 +51,18 @@ def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(v
         frames = [frame for frame in frames if frame.U_x <= run.first_slip.U_s]
     text = made(frames, x, y, times=1.2)
     dropped(page, text)
-    points = page.evaluate(
-        f"""async () => {{
-            const script = document.querySelector('link[href$="/style.css"]').href
-            const {{ pointsOf }} = await import(new URL("./js/later/measured.js", script).href)
-            return pointsOf(punch.laid.curve, "{y}", punch.charted, punch.laid.set)
-        }}"""
+    points, found = imported(page, "later/measured").evaluate(
+        """(y) => {
+            const { laid: { curve, set }, charted } = punch, { pointsOf, laidOver } = modules["later/measured"]
+            return [pointsOf(curve, y, charted, set), laidOver(curve, charted).apart(set)]
+        }""",
+        y,
     )
     assert 20 < page.evaluate(f"charts.{chart}.parts.laid_{y}.x.length") <= 150
     measured = read_measurement(run.scene, io.StringIO(text))
     (segment,) = measured.segments
     assert np.allclose(points["x"], segment.x) and np.allclose(points["y"], segment.values[y])
     expected = measured.residuals(run)
-    found = page.evaluate(
-        """async () => {
-            const script = document.querySelector('link[href$="/style.css"]').href
-            const { laidOver } = await import(new URL("./js/later/measured.js", script).href)
-            return laidOver(punch.laid.curve, punch.charted).apart(punch.laid.set)
-        }"""
-    )
     assert found["rms"] == pytest.approx(expected.rms[y], rel=2e-3)
     assert found["noise"] == pytest.approx(expected.noise[y], rel=1e-6)
     assert abs(found["outside"] - expected.outside) <= 2  # a file is rounded, at either end of the run
@@ -130,17 +124,6 @@ def test_a_file_without_its_speed_asks_for_it_and_an_empty_one_loses_nothing(vis
     dropped(page, "", "empty.csv")
     page.locator("#laid-why").get_by_text("it is empty").wait_for()
     assert page.evaluate("charts.forces.parts.laid_F.y.length") > 20
-
-
-def test_a_wrong_file_is_refused_in_words_and_loses_nothing(visit, run):
-    page = visit(ADDRESS)
-    frames = [frame for frame in run.frames if frame.stage == "shear"]
-    dropped(page, made(frames, "U_x", "F"))
-    before = page.evaluate("charts.forces.parts.laid_F.y.length")
-    dropped(page, "wavelength,colour\n1,2\n3,4\n", "colours.csv")
-    page.locator("#laid-why").get_by_text("colours.csv").wait_for()
-    assert page.evaluate("charts.forces.parts.laid_F.y.length") == before > 0
-    assert page.evaluate("punch.status.state") == "finished"
 
 
 def test_fit_from_here_opens_the_page_with_scene_and_curve(visit, run):

@@ -101,15 +101,6 @@ def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_
     assert found[3][0] - found[1][0] < 200  # of 1,600 that the page has
 
 
-@thorough
-def test_page_named_in_the_address_is_open_from_the_start(visit):
-    page = visit("?page=law&delta_bar=0.1")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
-    page.wait_for_function("() => document.getElementById('law-stick').textContent")
-    numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
-    assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
-
-
 def test_edges_on_the_toughness_are_those_of_the_solver(visit):
     """Within the rounding of the fields that a browser receives."""
     page = visit("?page=law&k=180")
@@ -226,15 +217,23 @@ def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
 
 
 @thorough
-def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
+def test_a_preset_replaces_every_parameter_says_what_to_look_for_and_is_marked_when_changed(look):
     page = look("?delta_bar=0.3&nu=0.3")
     page.select_option("#preset", "fig4a-red")
     finished(page, run=2)
     values = page.evaluate("punch.status.values")
     assert (values["surface"], values["E"], values["nu"], values["delta_bar"]) == ("flat", 140, 0.45, 0)
     assert "stiff" in page.inner_text("#look") and "preset=fig4a-red" in page.url and "nu=" not in page.url
-    page.get_by_role("button", name="Reset", exact=True).click()
+    assert page.locator("#preset optgroup").count() > 3
+    enter(page, "E", "100")
     finished(page, run=3)
+    assert "changed" in page.evaluate("document.getElementById('preset').selectedOptions[0].textContent")
+    assert "Stiffness" in page.inner_text("#look")
+    page.select_option("#preset", "fig4a-red")
+    finished(page, run=4)
+    assert page.evaluate("punch.status.values.E") == 140
+    page.get_by_role("button", name="Reset", exact=True).click()
+    finished(page, run=5)
     assert page.input_value("#preset") == "fig6" and "preset" not in page.url
 
 
@@ -287,7 +286,9 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     assert "past the peak" in page.inner_text("#law")
     style = "getComputedStyle(document.querySelector('.key .{}')).backgroundColor"
     assert page.evaluate(style.format("stick")) != page.evaluate(style.format("repulsive"))
-    assert int(page.inner_text("#law-open")) == page.evaluate("charts.punch.parts.free.x.length")
+    numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
+    assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
+    assert numbers[-1] == page.evaluate("charts.punch.parts.free.x.length")
     right = page.evaluate("[...charts.law_shear_map.parts.map.values].filter((_, i) => i % 160 === 159)")
     assert min(right) > 0.0  # up to half a spacing ahead of a site the law pulls back
 

@@ -217,22 +217,14 @@ def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_c
     assert page.locator("#tour-card").is_visible()
 
 
-def test_theory_is_typeset_without_external_requests(look):
+def test_theory_is_typeset_without_external_requests_and_ends_with_the_glossary(look):
     page = look()
     from_menu(page, "#open-theory")
     page.locator("#theory math").first.wait_for()
     assert page.locator("#theory math").count() >= 11
     assert "Khajeh Salehani" in page.locator("#theory").inner_text()
-    page.keyboard.press("Escape")
-    page.locator("#theory").wait_for(state="hidden")
-
-
-@pytest.mark.thorough
-def test_theory_ends_with_the_glossary_and_texts_of_the_page_have_no_buttons(look):
-    page = look()
-    from_menu(page, "#open-theory")
-    page.locator("#theory .glossary").wait_for()
     listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")
     assert set(listed) >= {"traction", "gap", "work", "branch", "fold", "flutter", "peel"}
     page.keyboard.press("Escape")
+    page.locator("#theory").wait_for(state="hidden")
     assert not page.locator("#sentence button, #look button, .key button").count()

@@ -9,15 +9,6 @@ from served import PATIENCE, Server, finished, from_menu, patient
 pytestmark = pytest.mark.thorough
 
 
-def test_enter_in_an_entry_changes_the_scene_without_a_reload(look):
-    page = look()
-    page.evaluate("window.same = true")
-    page.locator("#E-entry").fill("80")
-    page.locator("#E-entry").press("Enter")
-    finished(page, run=2)
-    assert page.evaluate("window.same && punch.status.values.E") == 80
-
-
 def test_a_full_class_admits_a_waiting_visitor_when_another_leaves(browser, monkeypatch):
     monkeypatch.setenv("APP_VISITORS", "1")
     full = Server()
