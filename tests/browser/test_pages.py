@@ -83,6 +83,8 @@ def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_p
 @thorough
 def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_behind(visit):
     page = visit()
+    known = "['delta_bar', 'phi_ratio', 'E'].every((name) => punch.status.marks[name])"
+    page.wait_for_function(known, timeout=PATIENCE)  # each mark beside a slider listens, whenever it comes
     tools = page.context.new_cdp_session(page)
     tools.send("Performance.enable")
     found = []
