@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from served import PATIENCE, PLAYING, enter, finished, found_by_axe, from_menu, laid_out
+from served import PLAYING, enter, finished, found_by_axe, from_menu, laid_out
 
 pytestmark = pytest.mark.thorough
 # the slider does what a mark does (WCAG 2.5.8)
@@ -150,7 +150,7 @@ def test_tab_key_reaches_visible_named_controls_in_order_without_a_trap(visit):
     stops = []
     for _ in range(75):
         page.keyboard.press("Tab")
-        page.wait_for_function(f"() => {{ const stop = ({STOP})(); return !stop || stop.seen }}", timeout=PATIENCE)
+        page.wait_for_function(f"() => {{ const stop = ({STOP})(); return !stop || stop.seen }}")
         stop = page.evaluate(STOP)
         if stop is None:
             break
@@ -186,7 +186,7 @@ def test_the_whole_page_works_with_the_keyboard_alone(visit):
     choose("pin")
     page.locator(".chip").wait_for()
     choose("take")
-    page.wait_for_function("document.getElementById('share-python').value.includes('Scene')", timeout=PATIENCE)
+    page.wait_for_function("document.getElementById('share-python').value.includes('Scene')")
     press("Escape")
     to(page, "delta_bar")  # the punch itself: down
     press("ArrowRight")
@@ -207,9 +207,9 @@ def test_the_whole_page_works_with_the_keyboard_alone(visit):
     press("p")
     to(page, "tour")
     press("Enter")
-    page.wait_for_function("document.activeElement.className === 'answer'", timeout=PATIENCE)
+    page.wait_for_function("document.activeElement.className === 'answer'")
     press("Enter")
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     press("Escape")
     page.wait_for_function("document.activeElement.id === 'tour'")
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import PATIENCE, PLAYING, enter, finished, from_menu, values_are
+from served import PLAYING, enter, finished, from_menu, values_are
 from tabs import imported
 
 
@@ -20,7 +20,7 @@ def sliders(page):
 def test_address_sets_the_scene_whose_curves_grow_while_computed_and_notes_what_is_invalid(visit):
     # soft: several slices, however fast the machine
     page = visit("?E=20&delta_bar=0.3&phi_ratio=lots&foo=1&delta=0.5&theme=dark&u_x_max=20", rests=False)
-    page.wait_for_function("() => window.punch?.run", timeout=PATIENCE)
+    page.wait_for_function("() => window.punch?.run")
     grown = page.evaluate(
         """() => new Promise((resolve) => {
             const lengths = new Set()
@@ -158,9 +158,7 @@ def test_playback_speed_is_the_chosen_speed_of_the_top(visit):
 @pytest.mark.thorough
 def test_moving_a_slider_replaces_a_slow_run_at_once(visit):
     page = visit("?E=10&delta_bar=1", rests=False)
-    page.wait_for_function(
-        "() => window.punch?.run?.sheared >= 0 && punch.status.state === 'running'", timeout=PATIENCE
-    )
+    page.wait_for_function("() => window.punch?.run?.sheared >= 0 && punch.status.state === 'running'")
     assert re.search(r"running\s+\d+ of \d+ increments", page.inner_text("#status"))
     enter(page, "E", "500")
     finished(page, run=2)

@@ -1,7 +1,7 @@
 """The parameter drawer: its layout, search, restoring values and error messages."""
 
 import pytest
-from served import FAULTS, PATIENCE, enter, finished, from_menu, laid_out
+from served import FAULTS, enter, finished, from_menu, laid_out
 
 pytestmark = pytest.mark.thorough
 QUICK = "nodes=256&width=625&radius=600&u_x_max=4"  # a run that is soon there
@@ -57,8 +57,8 @@ def test_a_rejected_surface_falls_back_with_a_reason_and_the_file_name_stays(loo
     page = look()
     from_menu(page, "#parameters")
     page.select_option("#surface-entry", "measured")
-    page.locator("#surface-error").wait_for(timeout=PATIENCE)
+    page.locator("#surface-error").wait_for()
     assert page.input_value("#surface-entry") == "circular"
     page.set_input_files("#profile", {"name": "mine.csv", "mimeType": "text/csv", "buffer": b"one column"})
-    page.locator("#profile-error").wait_for(timeout=PATIENCE)
+    page.locator("#profile-error").wait_for()
     assert page.input_value("#profile").endswith("mine.csv")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, enter, finished, from_menu
-from tabs import imported
+from served import enter, finished, from_menu
+from tabs import at_stop
 
 from solver import load_path
 from solver.presets import preset
@@ -28,7 +28,7 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
 
     last = frames[-1]
     page.keyboard.press("End")
-    page.get_by_text(f"Uₓ = {last.U_x:.1f} nm (top {last.U_x_top:.1f} nm)").wait_for(timeout=PATIENCE)
+    page.get_by_text(f"Uₓ = {last.U_x:.1f} nm (top {last.U_x_top:.1f} nm)").wait_for()
 
     from_menu(page, "#take")
     with page.expect_download() as download:
@@ -48,7 +48,7 @@ def test_drive_is_entered_in_the_parameters_kept_in_the_address_and_drawn_unless
     assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
     from_menu(page, "#parameters")
     enter(page, "drive_t", "0")
-    page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)
+    page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for()
     enter(page, "drive_t", "inf")
     finished(page, run=2)
     assert page.evaluate("punch.status.values.drive_t") == "inf" and not page.evaluate("punch.run.driven")
@@ -57,12 +57,10 @@ def test_drive_is_entered_in_the_parameters_kept_in_the_address_and_drawn_unless
 
 @pytest.mark.thorough
 def test_tour_question_on_a_soft_drive_matches_the_solver(look):
-    page = look("?more=0")
-    imported(page, "tour").evaluate("modules.tour.openTour(7)")
-    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+    page = at_stop(look("?more=0"), 7)
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="after a longer pull, at the same force").click()
-    page.locator("#tour-card [role=status]", has_text="Yes.").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]", has_text="Yes.").wait_for()
     scenes = [preset("fig6").scene.changed(drive_t=drive_t) for drive_t in (inf, 10.0)]
     rigid, soft = (next(frame for frame in load_path(scene) if frame.U_x > 0 and frame.slips) for scene in scenes)
     rigid, soft = rigid.slips[0], soft.slips[0]

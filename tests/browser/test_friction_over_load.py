@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, enter
+from served import enter
 from tabs import imported
 
 from app.pages.load.page import DEPTHS
@@ -25,7 +25,7 @@ def first_slip(**changed):
 
 
 def has_points(page, count):
-    page.wait_for_function(POINTS.format(count, "" if count == 1 else "s"), timeout=PATIENCE)
+    page.wait_for_function(POINTS.format(count, "" if count == 1 else "s"))
 
 
 def said(page, name):
@@ -82,7 +82,7 @@ def test_repeated_scenes_and_runs_without_a_slip_add_no_point(opened):
         page.wait_for_function(f"punch.run.head.scene.E === {value} && punch.run.whole && !punch.run.followed")
         has_points(page, count)
     enter(page, "phi_ratio", "0")
-    page.wait_for_function("punch.run.head.scene.phi_ratio === 0 && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    page.wait_for_function("punch.run.head.scene.phi_ratio === 0 && punch.run.whole && !punch.fresh")
     has_points(page, 2)
 
 
@@ -92,7 +92,7 @@ def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
     page.locator("#load .close").click()
     page.wait_for_function("document.getElementById('load').hidden")
     enter(page, "E", "80")
-    page.wait_for_function("punch.run.head.scene.E === 80 && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    page.wait_for_function("punch.run.head.scene.E === 80 && punch.run.whole && !punch.fresh")
     page.evaluate("document.querySelector('nav button[data-page=load]').click()")
     has_points(page, 2)
     page.locator("#load-clear").click()

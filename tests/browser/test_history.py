@@ -1,7 +1,7 @@
 """Browser history, and addresses that restore scene, increment and page."""
 
 import pytest
-from served import FAULTS, PARABOLA, PATIENCE, PLAYING, enter, from_menu, laid_out, values_are
+from served import FAULTS, PARABOLA, PLAYING, enter, from_menu, laid_out, values_are
 
 pytestmark = pytest.mark.thorough
 
@@ -63,7 +63,7 @@ def test_back_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     values_are(page, surface="measured", width=500)
     assert page.evaluate("punch.run.curves.F_bar") == curve
     page.reload()
-    page.wait_for_function("() => window.punch?.status.values", timeout=PATIENCE)
+    page.wait_for_function("() => window.punch?.status.values")
     values_are(page, surface="measured", width=500)
     assert page.evaluate("punch.run.curves.F_bar") == curve
 

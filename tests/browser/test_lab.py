@@ -1,7 +1,7 @@
 """The research pages in a browser: opened from the menu with the scene, computed, and left with the scene."""
 
 import pytest
-from served import PATIENCE, finished, found_by_axe
+from served import finished, found_by_axe
 from tabs import DESKTOP, Tabs
 
 from app import lab
@@ -69,7 +69,7 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
     if name in LONG:
         cancel.click()
         tab.get_by_text("Cancelled.").wait_for()
-    cancel.wait_for(state="hidden", timeout=PATIENCE)
+    cancel.wait_for(state="hidden")
     assert "#ffffff" not in tab.evaluate(BACKGROUNDS).values()  # the theme is dark
     tab.wait_for_function(f"() => !({SMALL})().length")  # no text is smaller than 14 pixels
     for width in (820, 390):

@@ -5,7 +5,7 @@ import io
 import re
 
 import pytest
-from served import PARABOLA, PATIENCE, finished, from_menu, paused_at
+from served import PARABOLA, finished, from_menu, paused_at
 
 pytestmark = pytest.mark.thorough
 AXIS = "charts.forces.across"
@@ -116,9 +116,7 @@ def test_an_uploaded_profile_is_used_once_its_unit_is_known_and_an_invalid_one_k
     from_menu(page, "#parameters")
     (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")
     page.set_input_files("#profile", tmp_path / "bad.csv")
-    page.wait_for_function(
-        "() => document.getElementById('profile-error').textContent.includes('line 3')", timeout=PATIENCE
-    )
+    page.wait_for_function("() => document.getElementById('profile-error').textContent.includes('line 3')")
     assert page.evaluate("punch.run.number - before") == 1
     (tmp_path / "wave.csv").write_text(PARABOLA)
     page.set_input_files("#profile", tmp_path / "wave.csv")

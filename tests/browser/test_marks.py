@@ -1,12 +1,12 @@
 """Marks beside the sliders, computed for the scene on screen."""
 
 import pytest
-from served import PATIENCE, enter, finished
+from served import enter, finished
 
 
 def marks(page):
     known = " && ".join(f"punch.status.marks.{name}" for name in ("delta_bar", "phi_ratio", "E"))
-    page.wait_for_function(known, timeout=PATIENCE)
+    page.wait_for_function(known)
     return {name: {said: value for value, said in found} for name, found in page.evaluate("punch.status.marks").items()}
 
 
@@ -38,7 +38,7 @@ def test_slider_marks_show_zero_load_and_smooth_sliding_of_the_current_scene(loo
     assert place == pytest.approx((1 + 0.183) / 2, abs=0.02)
     enter(page, "E", "20")
     finished(page, run=2)
-    page.wait_for_function("punch.status.marks.delta_bar?.[0][0] > 0.3", timeout=PATIENCE)
+    page.wait_for_function("punch.status.marks.delta_bar?.[0][0] > 0.3")
     page.wait_for_function("document.getElementById('delta_bar-marked').textContent.includes('no load at 0.')")
 
 
@@ -47,5 +47,5 @@ def test_clicking_a_mark_moves_the_slider_there(look):
     page = look("?du_x=0.5")
     marks(page)
     page.locator("[data-name=delta_bar] .mark", has_text="no load").click()
-    page.wait_for_function("Math.abs(punch.status.values.delta_bar - 0.18) <= 0.02", timeout=PATIENCE)
+    page.wait_for_function("Math.abs(punch.status.values.delta_bar - 0.18) <= 0.02")
     finished(page, run=2)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from served import PATIENCE, enter, faults_at, finished, found_by_axe, laid_out
+from served import enter, faults_at, finished, found_by_axe, laid_out
 
 from app.pages import listed
 from solver import Scene, release_rates, simulate
@@ -26,7 +26,7 @@ def opened(request, shared_tab):
     """(name, tab): each page once, drawn, for all tests that look at it."""
     name = request.param
     page = shared_tab.show(f"?more=0&page={name}&{TINY if name == 'regimes' else QUICK}")
-    page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN[name]}")
     yield name, page
     shared_tab.check()
 
@@ -84,14 +84,14 @@ def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_p
 def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_behind(visit):
     page = visit()
     known = "['delta_bar', 'phi_ratio', 'E'].every((name) => punch.status.marks[name])"
-    page.wait_for_function(known, timeout=PATIENCE)  # each mark beside a slider listens, whenever it comes
+    page.wait_for_function(known)  # each mark beside a slider listens, whenever it comes
     tools = page.context.new_cdp_session(page)
     tools.send("Performance.enable")
     found = []
     for _ in range(4):
         for name in ("load", "law"):
             page.evaluate(f"document.querySelector('nav [data-page={name}]').click()")
-            page.wait_for_function(f"() => {DRAWN[name]} && !('drawing' in {name}.dataset)", timeout=PATIENCE)
+            page.wait_for_function(f"() => {DRAWN[name]} && !('drawing' in {name}.dataset)")
             assert page.locator(".sheet:visible").count() == 1
         page.evaluate("document.querySelector('#law .close').click()")
         page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.opened.open === undefined")
@@ -109,7 +109,7 @@ def test_edges_on_the_toughness_are_those_of_the_solver(visit):
     frame = simulate(Scene(u_x_max=8.0)).frames[180]
     for label, edge in zip(("trailing", "leading"), release_rates(frame), strict=True):
         part = f"charts.law_toughness?.parts.{label}"
-        page.wait_for_function(f"() => {part}?.x.length && punch.drawn === 180", timeout=PATIENCE)
+        page.wait_for_function(f"() => {part}?.x.length && punch.drawn === 180")
         shown = page.evaluate(f"() => [{part}.y[0], {part}.x[0]]")
         assert shown == pytest.approx([edge.J, np.degrees(edge.psi)], rel=5e-3)
 
@@ -118,7 +118,7 @@ def test_the_law_is_that_of_the_solver(look):
     """The browser draws it from the law that its states follow: maps, where sticking ends, and both curves."""
     scene = Scene(phi_ratio=0.3, law="xu-needleman")
     page = look("?page=law&phi_ratio=0.3&law=xu-needleman&u_x_max=4")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
     for name, sign, part in (("shear", -1.0, 0), ("normal", 1.0, 1)):
         shown = page.evaluate(
             """(name) => {
@@ -144,7 +144,7 @@ def test_the_law_is_that_of_the_solver(look):
 @thorough
 def test_nodes_lie_on_the_curve_of_the_interface_law_and_stick_before_its_peak(look):
     page = look("?page=law")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
     distance, stuck, slipping, peak = page.evaluate(
         """() => {
             const { law, stick, slip } = charts.law_shear_law.parts
@@ -245,13 +245,13 @@ def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
     page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
     opened = "Bokeh.documents[0].roots()[0].data.opened.open"
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
-    page.wait_for_function(f"{opened} === 'regimes'", timeout=PATIENCE)
+    page.wait_for_function(f"{opened} === 'regimes'")
     page.locator("#regimes .close").click()
-    page.wait_for_function(f"{opened} === undefined", timeout=PATIENCE)
+    page.wait_for_function(f"{opened} === undefined")
     for route in held:
         route.continue_()
     page.evaluate("document.querySelector('nav [data-page=law]').click()")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)  # earlier messages are through, without errors
+    page.wait_for_function(f"() => {DRAWN['law']}")  # earlier messages are through, without errors
     assert held
 
 
@@ -270,8 +270,8 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
         }"""
     )
     assert "drawing" in ordered
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
-    page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
+    page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')")
     assert page.evaluate("ordered") == ["law"]
     assert painted_pixels(page) > 8
 
@@ -279,7 +279,7 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
 @thorough
 def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     page = look("?page=law")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
     for name in ("shear", "normal"):
         high = float(page.inner_text(f"#law_{name}_map-high").strip("+ GPa"))
         assert high == pytest.approx(
@@ -298,7 +298,7 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
 @thorough
 def test_a_drag_on_the_map_ends_where_the_button_is_let_go_also_outside_and_the_right_button_drags_nothing(look):
     page = look(f"?page=regimes&{TINY}")
-    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['regimes']}")
     page.wait_for_function("charts.regimes_map.box && charts.regimes_map.parts.map.picture")
     box = page.locator("#regimes .view").bounding_box()
     x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"]
@@ -324,7 +324,7 @@ def test_a_drag_on_the_map_ends_where_the_button_is_let_go_also_outside_and_the_
 @thorough
 def test_the_choices_of_the_map_are_those_of_what_is_shown_when_it_is_opened_again(look):
     page = look(f"?page=regimes&{TINY}")
-    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['regimes']}")
     page.select_option("#regimes-of", "A_s")
     page.select_option("#regimes-x", "E")
     page.wait_for_function("charts.regimes_map.across.startsWith('stiffness')")
@@ -339,7 +339,7 @@ def test_the_choices_of_the_map_are_those_of_what_is_shown_when_it_is_opened_aga
 def test_clicking_the_map_shows_the_scene_of_that_place(look):
     """The axes of the map are delta_bar and phi_ratio; what is pointed at is read out, and a click goes there."""
     page = look(f"?page=regimes&{TINY}")
-    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['regimes']}")
     before = page.evaluate("(({ delta_bar, phi_ratio }) => [delta_bar, phi_ratio])(punch.status.values)")
     frame = page.evaluate("(({ left, top, width, height }) => ({ left, top, width, height }))(charts.regimes_map.box)")
     box = page.locator("#regimes .view").bounding_box()
@@ -351,6 +351,6 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     assert [line.split(":")[0] for line in said[:2]] == ["press depth δ/δ₀", "friction / adhesion φₜ/φₙ"]
     page.mouse.click(x, y)
     changed = f"punch.status.values.delta_bar > {before[0]} && punch.status.values.phi_ratio !== {before[1]}"
-    page.wait_for_function(changed, timeout=PATIENCE)
+    page.wait_for_function(changed)
     finished(page, run=2)
     assert page.evaluate("punch.run.scene.delta_bar === punch.status.values.delta_bar && !punch.run.followed")

@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 from PIL import Image
-from served import PARABOLA, PATIENCE, Server, finished, from_menu, laid_out, patient
+from served import PARABOLA, Server, finished, from_menu, laid_out, patient
 
 from solver.cli import main as command_line
 
@@ -32,7 +32,7 @@ def sheet(look):
 
 def saved(page, button):
     """The bytes of the file that a button saves."""
-    with page.expect_download(timeout=PATIENCE) as download:
+    with page.expect_download() as download:
         page.locator(button).press("Enter")
     return download.value.path().read_bytes()
 

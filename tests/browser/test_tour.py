@@ -3,18 +3,8 @@
 from contextlib import suppress
 
 import pytest
-from served import FAULTS, PATIENCE, SETTLE, TookTooLong, from_menu, laid_out
-from tabs import imported
-
-
-def opened(page, stop):
-    """The tour at one of its stops, as `?tour=` opens it."""
-    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
-    return page
-
-
-def asked(page):
-    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+from served import FAULTS, SETTLE, TookTooLong, from_menu, laid_out
+from tabs import asked, at_stop, imported
 
 
 @pytest.mark.thorough
@@ -24,7 +14,7 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     assert "tour=" not in page.url  # a link from here does not open the tour
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.get_by_role("button", name="Previous").wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Previous").wait_for()
     imported(page, "channel", "status").evaluate(
         """() => {  // from now on every run fails
             const { channel: { take }, status: { heard } } = modules
@@ -51,7 +41,7 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
             window.ordered = []
         }"""
     )
-    asked(opened(page, stop))
+    at_stop(page, stop)
     assert page.evaluate("ordered") == ["restore"]
 
 
@@ -67,7 +57,7 @@ def test_browser_back_ends_the_tour(visit):
 
 @pytest.mark.thorough
 def test_tour_stop_without_load_shows_remaining_friction(look):
-    page = opened(look("?more=0"), 8)
+    page = at_stop(look("?more=0"), 8)
     page.locator("#tour-card .answer", has_text="about as large").wait_for()
     load = "(run) => run.curves.L[run.sheared]"
     assert abs(page.evaluate(f"({load})(punch.run)")) < 0.1  # N/m, of a friction of some 200
@@ -77,12 +67,11 @@ def test_tour_stop_without_load_shows_remaining_friction(look):
 
 @pytest.mark.thorough
 def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
-    page = opened(look("?more=0"), 9)
-    asked(page)
+    page = at_stop(look("?more=0"), 9)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     right = page.locator("button[data-mark=right]").inner_text()
     slip = page.evaluate(
         "punch.run.curves.slip_at[punch.run.curves.slip.findIndex((s, k) => s && k > punch.run.sheared)]"
@@ -93,13 +82,12 @@ def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
 
 @pytest.mark.thorough
 def test_the_tour_ends_with_friction_over_load_in_twelve_runs(look):
-    page = opened(look("?more=0"), 9)
-    asked(page)
+    page = at_stop(look("?more=0"), 9)
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.get_by_role("button", name="Your turn").click(timeout=PATIENCE)
+    page.get_by_role("button", name="Your turn").click()
     page.get_by_role("button", name="Friction over load").click()
-    page.locator("#load-law", has_text="At L = 0 adhesion alone holds with").wait_for(timeout=PATIENCE)
+    page.locator("#load-law", has_text="At L = 0 adhesion alone holds with").wait_for()
     assert page.locator("#tour-card").is_visible()
     page.get_by_role("button", name="Finish").click()
     page.locator("#tour-card").wait_for(state="hidden")
@@ -151,8 +139,7 @@ def unseen(page, stop, phase):
 
 
 def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of_it_in_sight_at_every_size(look):
-    page = opened(look("?more=0"), 2)
-    asked(page)
+    page = at_stop(look("?more=0"), 2)
     assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
     page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
     hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
@@ -163,7 +150,7 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of
     assert not unseen(page, 2, "ask")
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="leading edge").click()
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
     assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
     assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(12.5, abs=0.11)  # not behind the slip
@@ -183,23 +170,21 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of
 @pytest.mark.parametrize("stop", STOPS)
 @pytest.mark.parametrize("query", ["?view=projector", "?more=0"])  # the first has More as well
 def test_a_stop_has_question_answers_reason_picture_and_contact_in_sight_at_every_size(look, query, stop):
-    page = opened(look(query), stop)
-    asked(page)
+    page = at_stop(look(query), stop)
     assert not unseen(page, stop, "ask")
     page.evaluate("punch.speed = 40")
     page.keyboard.press("2")
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     assert not unseen(page, stop, "why")
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["?more=0", "?view=projector"])
 def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_closes_it_only(look, query):
-    page = opened(look(query), 8)
-    asked(page)
+    page = at_stop(look(query), 8)
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.get_by_role("button", name="Your turn").click(timeout=PATIENCE)
+    page.get_by_role("button", name="Your turn").click()
     from_menu(page, "nav [data-page=load]")
     page.wait_for_function("() => parseInt(document.getElementById('load-count').textContent) > 0")
     for width, height in SIZES:

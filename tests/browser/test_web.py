@@ -4,7 +4,7 @@ import http.server
 import threading
 
 import pytest
-from served import PATIENCE, Server, finished, from_menu, patient
+from served import Server, finished, from_menu, patient
 
 pytestmark = pytest.mark.thorough
 
@@ -133,7 +133,7 @@ def test_other_sites_cannot_frame_the_app(browser, elsewhere):
     page = patient(browser.new_page())
     said = []
     page.on("console", lambda message: said.append(message.text))
-    with page.expect_event("console", lambda message: "frame-ancestors" in message.text, timeout=PATIENCE):
+    with page.expect_event("console", lambda message: "frame-ancestors" in message.text):
         page.goto(f"{elsewhere}?embed=1")
     page.close()
 
@@ -147,7 +147,7 @@ def test_a_configured_site_can_frame_the_embedded_page(browser, elsewhere, monke
         page.goto(f"{elsewhere}?embed=1")
         page.evaluate("address => { document.querySelector('iframe').src = address }", f"{other.address}?embed=1")
         frame = page.frame_locator("iframe")
-        frame.locator(".punch canvas").first.wait_for(state="attached", timeout=PATIENCE)
+        frame.locator(".punch canvas").first.wait_for(state="attached")
         page.close()
     finally:
         other.stop()
