@@ -64,8 +64,7 @@ def test_exported_files_larger_than_the_limit_are_rejected(page, monkeypatch):
     for largest, why in ((share.LARGEST, ""), (10, share.LARGE)):
         monkeypatch.setattr(share, "LARGEST", largest)
         page.order("export", kind="json")
-        while not page.messages:
-            page.run_next()
+        page.run_scheduled(lambda: page.messages)
         file = page.messages.pop()
         assert file["kind"] == "file" and file["why"] == why and (len(file["body"]) > 1000) == (not why)
 
@@ -74,8 +73,7 @@ def test_two_files_asked_for_at_once_both_come(page):
     kinds = ["npz", "json"]
     for kind in kinds:
         page.order("export", kind=kind)
-    while len(page.messages) < 2:
-        page.run_next()
+    page.run_scheduled(lambda: len(page.messages) > 1)
     assert sorted(file["ending"] for file in page.messages) == sorted(kinds)
     assert all(file["body"] and not file["why"] for file in page.messages)
 
@@ -123,20 +121,17 @@ def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
     slips, run = page.curve("slip"), page.session.pursuit.run.number
     k = len(slips) - 1 - int(np.argmax(slips[::-1] > 0))
     page.order("film", run=run, frame=k)
-    while page.chunks[-1][0] != ("film", k):
-        page.run_next()
+    page.run_scheduled(lambda: page.chunks[-1][0] == ("film", k))
     film = page.curve("U_x")
     assert set(page.curve("index")) == {108} or set(page.curve("index")) == {109}
     assert len(film) > 40 and np.ptp(film) == 0.0 and film[0] == pytest.approx(10.8036, abs=1e-3)
     page.order("film", run=run, frame=k - 5)
-    while not page.messages:
-        page.run_next()
+    page.run_scheduled(lambda: page.messages)
     assert page.messages.pop() == {"kind": "slip", "why": "no branch ends here"}
     page.order("film", run=run + 1, frame=k)  # of another run than that on screen
     assert page.messages.pop() == {"kind": "slip", "why": "the run on screen has changed; try again"}
     page.order("film", run=run, frame=5000)
-    while not page.messages:
-        page.run_next()
+    page.run_scheduled(lambda: page.messages)
     assert page.messages.pop()["why"]
 
 

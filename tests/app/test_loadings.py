@@ -59,8 +59,7 @@ WAVY = "\n".join(["x (nm), z (nm)"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.
 
 def upload(page, text):
     page.file(text)
-    while page.session.scene.surface != "measured" and "profile" not in page.status()["errors"]:
-        page.run_next()
+    page.run_scheduled(lambda: page.session.scene.surface == "measured" or "profile" in page.status()["errors"])
 
 
 def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
