@@ -8,7 +8,7 @@ import pytest
 from visitor import messages, order
 
 from app import pages
-from app.pages import Sheet, section
+from app.pages import Sheet
 from app.pages.law import page as law
 from app.service import tasks
 from app.service.worker import Part
@@ -143,20 +143,12 @@ def test_interface_law_page_draws_the_toughness_and_says_how_shear_changes_it(se
             assert drawn["value"] == pytest.approx(expected, rel=1e-6)
 
 
-def test_a_folder_with_a_page_module_becomes_a_page(session, monkeypatch, tmp_path):
-    blank = SimpleNamespace(TITLE="Blank", ORDER=0, Page=Sheet)
-    monkeypatch.setattr(pages, "HERE", tmp_path)
-    monkeypatch.setattr(pages, "import_module", lambda name: blank)
-    (tmp_path / "law").mkdir()
-    (tmp_path / "law" / "page.py").touch()
-    listed = pages.listed.__wrapped__()
-    assert listed == {"law": blank}
-    monkeypatch.setattr(pages, "listed", lambda: listed)
+def test_a_page_with_nothing_of_its_own_opens_hears_what_happens_and_closes(session, monkeypatch):
+    monkeypatch.setattr(pages, "listed", lambda: {"law": SimpleNamespace(TITLE="Blank", ORDER=0, Page=Sheet)})
     order(session, "page", page="law")
     order(session, "scene", E="80")
     order(session, "ask", what="ever")
     assert session.pages.page.published["open"] == "law"
-    assert 'sheet("law")' in section("law")  # a macro of page.html
     order(session, "page", page="")
     assert session.pages.page is None
 
