@@ -10,7 +10,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: threads tha
 
 import numpy as np
 import pytest
-from served import TROUBLE, Server
+from served import TROUBLE, Server, finished
 from tabs import SharedTab, Tabs
 from xdist.scheduler import LoadFileScheduling
 
@@ -129,19 +129,40 @@ def server(chromium):
 
 @pytest.fixture
 def visit(server, browser):
-    """Open the app in a tab of the test's own."""
+    """visit(address) -> the app in a tab of the test's own, at rest after its run unless `rests` is false."""
     tabs = Tabs(server, browser)
-    yield tabs.open
+
+    def opened(query="", rests=True, **options):
+        page = tabs.open(query, **options)
+        if rests:
+            finished(page)
+        return page
+
+    yield opened
     tabs.close()
     tabs.check()
 
 
 APP = Path(__file__).parent.parent / "app"
+RUN_OF = """() => {
+    window.runOf = async (blocks) => { // the Run of packed blocks in base64
+        const { Run } = await import("http://scripts/js/run.js")
+        const { unpackLater } = await import("http://scripts/js/packed.js")
+        let run = null
+        for (const text of blocks) {
+            const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
+            const chunk = await unpackLater({ body: buffer })
+            run ??= new Run(7, chunk.head)
+            run.add(chunk)
+        }
+        return run
+    }
+}"""
 
 
 @pytest.fixture(scope="module")
 def tab(browser):
-    """A blank page at an address of its own from which the modules can be imported; no server, nothing else."""
+    """A blank page at an address of its own from which modules can be imported, with `runOf`; no server."""
     page = browser.new_page()
     kinds = {".js": "text/javascript", ".html": "text/html"}
 
@@ -153,6 +174,7 @@ def tab(browser):
 
     page.route("http://scripts/**", answer)
     page.goto("http://scripts/blank.html")
+    page.evaluate(RUN_OF)
     yield page
     page.close()
 
@@ -186,6 +208,16 @@ def pool():
     workers.start()
     yield workers
     workers.close()
+
+
+@pytest.fixture
+def page(pool):
+    """A visitor whose runs the pool computes."""
+    from visitor import Page
+
+    visit = Page(pool)
+    yield visit
+    visit.session.close()
 
 
 @pytest.fixture

@@ -36,6 +36,7 @@ OPEN = (
     " Use it in a trusted network only, or use tls://"
 )
 STOPS = 10.0  # s that a cancelled call may still take. After that its process is killed
+TRIES = 10  # times within STOPS that it is told so
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 
@@ -138,21 +139,23 @@ class Pool:
                 self._queue.remove(task)
             return
         task.abandoned = True
-        with self._lock:
-            long = task.limit >= self.patience + STOPS and task.slot and task.slot.task is task
-            caller = task.slot.caller if long else None
-        if caller is not None:
-            caller.stop()
-            timer = Timer(STOPS, self._end, (task, caller))
-            timer.daemon = True
-            timer.start()
+        if task.limit >= self.patience + STOPS:
+            with self._lock:
+                caller = task.slot.caller if task.slot else None
+            self._stop(task, caller, TRIES)
 
-    def _end(self, task, caller):
-        """End the worker of a task that did not stop."""
+    def _stop(self, task, caller, tries):
+        """Stop a task, again and again, as its worker may not have heard of it yet; then end its worker."""
         with self._lock:
-            runs = task.slot.task is task and task.slot.caller is caller
-        if runs:
-            caller.end()
+            if caller is None or task.slot.task is not task or task.slot.caller is not caller:
+                return
+            if tries:
+                caller.stop()
+        if not tries:
+            return caller.end()
+        timer = Timer(STOPS / TRIES, self._stop, (task, caller, tries - 1))
+        timer.daemon = True
+        timer.start()
 
     def position(self, task: Task) -> int | None:
         """Number of tasks before this one; None if it does not wait."""

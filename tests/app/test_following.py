@@ -95,8 +95,7 @@ class Answered(NoPool):
     def answer(self, page, call, result):
         """The oldest waiting one is done."""
         self.waiting(call)[0].set_result(result)
-        while not page.calls.empty():
-            page.run_next()
+        page.run_all()
 
 
 @pytest.fixture
@@ -166,8 +165,7 @@ def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     (task,) = page.pool.waiting(skeletons.followed)
     page.order("restore", preset="fig7-case1")
     assert task.cancelled() and page.pool.waiting(worker.compute)
-    while not page.calls.empty():
-        page.run_next()
+    page.run_all()
     assert page.messages == []
 
 
@@ -191,8 +189,7 @@ def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(p
     page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release")
     move(page, 0.03)
-    while not page.calls.empty():
-        page.run_next()
+    page.run_all()
     assert not page.pool.waiting(worker.compute)
 
 
@@ -267,8 +264,7 @@ def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
     task.set_running_or_notify_cancel()
     page.order("scene", phi_ratio=0.6)
     assert page.pool.waiting(worker.compute) == [task] and page.status()["acknowledged"] is not None
-    while not page.calls.empty():  # the time is over
-        page.run_next()
+    page.run_all()  # the time is over
     assert [task.call[1].phi_ratio for task in page.pool.waiting(worker.compute)] == [0.5, 0.6]
 
 

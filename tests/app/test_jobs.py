@@ -1,16 +1,14 @@
 """Jobs: shared between visitors, cancelled when unused, repeated after a lost worker."""
 
 import asyncio
-from concurrent.futures import ThreadPoolExecutor
 from time import sleep
 from types import SimpleNamespace
 
 import pytest
-from visitor import SHORT, NoPool, whole_run
+from visitor import SHORT, NoPool, waited
 
 from app.service import metrics, worker
 from app.service import pool as pools
-from app.service.cache import size_of
 from app.service.caller import Lost
 from app.service.jobs import Jobs
 from app.service.packing import Frames
@@ -104,27 +102,6 @@ def test_a_job_with_expensive_parts_ranks_behind_others_until_they_are_cheap_aga
     assert [task.rank for task in tasks] == [SCREEN, SCREEN, HEAVY, HEAVY, SCREEN]
 
 
-def test_a_run_in_parts_equals_a_run_at_once(jobs, tasks, monkeypatch):
-    monkeypatch.setattr(worker, "BUDGET", 0.0)  # one increment each, behind the approach
-    job = jobs.start((worker.compute, SHORT), lambda job: None, owner="me")
-    while not job.done:
-        call, *arguments = tasks[-1].call
-        tasks[-1].set_result(call(*arguments))
-    whole = whole_run(SHORT)
-    assert len(tasks) > 1 and (job.result.frames, job.result.skeleton is None) == (whole.frames, False)
-    assert all(isinstance(task.call[2], bytes) for task in tasks[1:])
-
-
-def test_least_recently_used_results_are_dropped(tasks, jobs):
-    jobs.results = type(jobs.results)(2 * size_of(((abs, -1), 1)))
-    mine = requests(jobs)
-    for k in range(3):
-        mine.add([(abs, -k)])
-        tasks[k].set_result(k)
-    mine.add([(abs, 0)])
-    assert len(tasks) == 4
-
-
 def test_a_large_or_private_result_displaces_nothing_from_the_cache(jobs, tasks):
     mine = requests(jobs)
     mine.add([CALL])
@@ -177,12 +154,6 @@ def test_a_background_job_moves_up_when_a_visitor_needs_it_on_the_screen(jobs, t
     assert seen == [3, 3]
 
 
-def awaited(coroutine):
-    """The result of a coroutine; in a thread, as Playwright leaves a running loop in this one."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, coroutine).result(60.0)
-
-
 def test_a_coroutine_awaits_parts_and_result_of_a_job(jobs, tasks):
     async def collect():
         async def made():
@@ -195,7 +166,7 @@ def test_a_coroutine_awaits_parts_and_result_of_a_job(jobs, tasks):
             await asyncio.sleep(0)
         return await waiting, await jobs.result(*CALL, owner="me")
 
-    assert awaited(collect()) == ([1, 10, 100], 111)
+    assert waited(collect()) == ([1, 10, 100], 111)
 
 
 def test_cancelling_a_coroutine_cancels_its_job(jobs, tasks):
@@ -206,7 +177,7 @@ def test_cancelling_a_coroutine_cancels_its_job(jobs, tasks):
         waiting.cancel()
         await asyncio.wait([waiting])
 
-    awaited(leave())
+    waited(leave())
     assert tasks[0].cancelled() and not jobs._shared
 
 
@@ -218,7 +189,7 @@ def test_a_coroutine_receives_the_exception_of_its_job(jobs, tasks):
         return await waiting
 
     with pytest.raises(ValueError, match="no curve"):
-        awaited(fail())
+        waited(fail())
 
 
 def items():

@@ -9,6 +9,7 @@ import pytest
 from visitor import Page, messages, order, send_file, slices
 
 from app.service import tasks
+from app.session import pursuit
 from app.session.controls import values_of
 from app.session.share import python_lines
 from solver import Scene, load_path
@@ -19,7 +20,9 @@ SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)
 
 
 @pytest.fixture
-def page(pool):
+def page(pool, monkeypatch):
+    """A visitor whose run came in parts, however fast the solver."""
+    monkeypatch.setattr(pursuit, "FIRST", 0.002)
     visit = Page(pool, SHORT)
     visit.order("hello")
     visit.until("finished")
@@ -31,6 +34,7 @@ def test_exported_files_and_python_lines_repeat_the_run_on_screen(page):
     made = {}
     exec(python_lines(page.session.pursuit.scene), made)
     shown = np.concatenate([head["force"] * curves["F_bar"] for _, head, curves, _ in page.chunks])
+    assert len(page.chunks) > 1
     assert [frame.F for frame in made["frames"]] == pytest.approx(shown, rel=1e-5, abs=1e-6)
     with np.load(io.BytesIO(tasks.file_of_run(SHORT, "npz"))) as data:
         F = [frame.F for frame in made["frames"] if frame.stage != "approach"]
@@ -55,8 +59,7 @@ WAVY = "\n".join(["x (nm), z (nm)"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.
 
 def upload(page, text):
     page.file(text)
-    while page.session.scene.surface != "measured" and "profile" not in page.status()["errors"]:
-        page.run_next()
+    page.run_scheduled(lambda: page.session.scene.surface == "measured" or "profile" in page.status()["errors"])
 
 
 def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
@@ -119,19 +122,8 @@ def test_a_profile_that_makes_the_run_too_long_is_rejected(session):
     assert session.scene.surface == "flat" and "increments" in session.errors["profile"]
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("x (nm), z (nm)\n1, 2\n2, two\n", "line 3"),
-        (WAVY.replace("\n30, ", "\n3, ", 1), "line 12"),
-        ("1\n2\n3\n", "line"),
-        ("x" * 10_000_001, "MB"),
-        ("", "points"),
-    ],
-    ids=["text", "descending", "one column", "10 MB", "empty"],
-)
-def test_an_invalid_profile_is_rejected_with_line_and_reason(page, text, said):
-    upload(page, text)
-    assert said in page.status()["errors"]["profile"] and "stays" in page.status()["errors"]["profile"]
+def test_an_invalid_profile_is_rejected_with_line_and_reason(page):
+    upload(page, "x (nm), z (nm)\n1, 2\n2, two\n")
+    assert "line 3" in page.status()["errors"]["profile"] and "stays" in page.status()["errors"]["profile"]
     assert page.session.run.number == 1 and page.status()["state"] == "finished"
     assert page.session.scene == SHORT

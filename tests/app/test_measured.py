@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from visitor import Page
 
 from app.service.tasks import LAID, read_curve
 from app.session.measured import kept
@@ -58,13 +57,6 @@ def test_a_file_that_is_no_curve_is_refused_in_words(content, said):
 def test_friction_over_time_is_read_with_the_speed_that_the_visitor_gives():
     curve, _ = read_curve(Scene(), text("time (s),F (N/m)", U_X, U_X), speed=2.0)
     assert curve["segments"][0]["x"][-1] == pytest.approx(12.0)
-
-
-@pytest.fixture
-def page(pool):
-    visit = Page(pool)
-    yield visit
-    visit.session.close()
 
 
 def dropped(page, content):

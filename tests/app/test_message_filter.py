@@ -210,25 +210,23 @@ def test_other_visitors_are_served_during_a_flood_of_messages(visit):
 BOMB = {"type": "bytes", "data": base64.b64encode(gzip.compress(bytes(10**6))).decode()}
 
 
-@pytest.mark.parametrize("attr", ["run", "status", "opened", "name", "tags"])
-def test_a_browser_sets_no_parameter_of_the_stage_without_an_order(visit, attr):
-    assert visit.say(visit.patch(BOMB, attr)) == [] and visit.closed == [message_filter.TRY_LATER]
-
-
-@pytest.mark.parametrize("attr", ["data", "esm", "children"])
-def test_a_browser_sets_nothing_of_the_component_itself(visit, attr):
-    assert visit.say(visit.patch("x", attr, visit.root)) == [] and visit.closed == [message_filter.TRY_LATER]
+@pytest.mark.parametrize(
+    ("model", "attr", "new"),
+    [
+        *(("wire", attr, BOMB) for attr in ("run", "status", "opened", "name", "tags")),
+        *(("root", attr, "x") for attr in ("data", "esm", "children")),
+        *((other, "text", "x") for other in ("p1", "x")),
+    ],
+)
+def test_a_browser_sets_nothing_but_parameters_of_the_stage_by_their_orders(visit, model, attr, new):
+    assert visit.say(visit.patch(new, attr, getattr(visit, model, model))) == []
+    assert visit.closed == [message_filter.TRY_LATER]
 
 
 @pytest.mark.parametrize("kind", ["RootAdded", "RootRemoved", "TitleChanged", "ColumnDataChanged", "ColumnsStreamed"])
 def test_a_message_that_adds_to_the_document_ends_the_connection(visit, kind):
     assert visit.say({"events": [visit.order(HELLO)["events"][0] | {"kind": kind}]}) == []
     assert visit.closed == [message_filter.TRY_LATER]
-
-
-@pytest.mark.parametrize("model", ["p1", "x"])
-def test_a_browser_sets_nothing_of_another_model(visit, model):
-    assert visit.say(visit.patch("x", "text", model)) == [] and visit.closed == [message_filter.TRY_LATER]
 
 
 def test_a_change_of_a_model_that_is_gone_changes_nothing_and_the_rest_of_its_message_counts(visit, monkeypatch):
@@ -295,6 +293,11 @@ def test_malformed_messages_close_the_connection_and_are_logged_in_one_line(visi
         '{"do": "ask", "draws": "many"}',
         '{"do": "restore", "values": "fig6"}',
         '{"do": "restore", "values": {"E": 80}}',
+        '{"do": "restore", "values": {"name": "x"}}',
+        '{"do": "restore", "values": {"profile": "' + "1" * 9000 + '"}}',
+        '{"do": "export", "kind": "py"}',
+        '{"do": "share", "link": 5}',
+        '{"do": "share", "link": "' + "x" * 6000 + '"}',
     ],
 )
 def test_orders_with_undeclared_fields_or_wrong_types_are_rejected(session, text):

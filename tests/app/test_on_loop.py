@@ -6,17 +6,14 @@ Otherwise orders of two visitors would run at the same time.
 import ast
 import asyncio
 import threading
-from concurrent.futures import ThreadPoolExecutor
-from inspect import iscoroutinefunction
 from pathlib import Path
 
-import pytest
 from bokeh.document import Document
 from bokeh.server.session import ServerSession
 from tornado.ioloop import IOLoop
+from visitor import waited
 
 from app import document
-from app.document import on_loop
 
 APP = Path(document.__file__).parent
 CALLED = {  # method of a document or of Panel's state: position of the callback
@@ -57,20 +54,13 @@ def is_coroutine_function(path, callback):
     return False
 
 
-def run(coroutine):
-    """Run a coroutine in a thread of its own: Playwright may have a loop in this one."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, coroutine).result()
-
-
 def test_all_callbacks_that_are_registered_are_coroutine_functions():
     found = list(registered())
     assert len(found) >= 10
     assert [f"{path.name}:{line}" for path, line, callback in found if not is_coroutine_function(path, callback)] == []
 
 
-@pytest.mark.parametrize("schedule", ["later", "with_document_locked"])
-def test_four_visitors_count_twenty_of_twenty_on_the_thread_of_the_loop(schedule):
+def test_four_visitors_count_twenty_of_twenty_on_the_thread_of_the_loop():
     """Each reads, waits for nothing, and writes: in threads, most of the counts would be lost."""
     count, threads = [0], set()
 
@@ -84,22 +74,10 @@ def test_four_visitors_count_twenty_of_twenty_on_the_thread_of_the_loop(schedule
     async def visits():
         loop = IOLoop.current()
         sessions = [ServerSession(f"visitor {k}", Document(), io_loop=loop) for k in range(4)]
-        if schedule == "later":
-            for each in [session for session in sessions for _ in range(5)]:
-                document.later(each.document, raise_count)
-            while count[0] < 20 and any(session.document.session_callbacks for session in sessions):
-                await asyncio.sleep(0.01)
-        else:
-            orders = [each.with_document_locked(on_loop(raise_count)) for each in sessions for _ in range(5)]
-            await asyncio.gather(*orders)
+        for each in [session for session in sessions for _ in range(5)]:
+            document.later(each.document, raise_count)
+        while count[0] < 20 and any(session.document.session_callbacks for session in sessions):
+            await asyncio.sleep(0.01)
         return threading.get_ident()
 
-    assert (threads, count) == ({run(visits())}, [20])
-
-
-def test_a_call_on_the_loop_has_all_its_arguments():
-    called = []
-    function = on_loop(lambda *given: called.append(given), 1)
-    assert iscoroutinefunction(function)
-    run(function(2))
-    assert called == [(1, 2)]
+    assert (threads, count) == ({waited(visits())}, [20])

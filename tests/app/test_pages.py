@@ -8,7 +8,7 @@ import pytest
 from visitor import messages, order
 
 from app import pages
-from app.pages import Sheet, section
+from app.pages import Sheet
 from app.pages.law import page as law
 from app.service import tasks
 from app.service.worker import Part
@@ -28,14 +28,6 @@ def test_lines_of_scripts_styles_and_templates_have_at_most_120_characters(kind)
     assert files
     lines = [(path.name, line) for path in files for line in path.read_text(encoding="utf-8").splitlines()]
     assert not [(name, line) for name, line in lines if len(line) > LONGEST]
-
-
-def test_a_closed_page_leaves_no_texts(session):
-    sent = messages(session)
-    order(session, "page", page="law")
-    assert sent[-1]["open"] == "law"
-    order(session, "page", page="")
-    assert sent[-1] == {"kind": "opened"}
 
 
 def test_closed_pages_cause_no_tasks_and_no_messages(session):
@@ -108,7 +100,7 @@ def test_a_page_that_is_opened_again_is_told_anew(session):
     for _ in range(2):
         order(session, "page", page="law")
     opened = [message.get("open") for message in sent if message["kind"] == "opened"]
-    assert opened[0] == opened[-1] == "law" and None in opened
+    assert opened[0] == opened[-1] == "law" and {"kind": "opened"} in sent  # closed, it has no texts
 
 
 def test_a_step_of_the_press_depth_sends_nothing_of_an_unchanged_interface_law(session):
@@ -151,20 +143,12 @@ def test_interface_law_page_draws_the_toughness_and_says_how_shear_changes_it(se
             assert drawn["value"] == pytest.approx(expected, rel=1e-6)
 
 
-def test_a_folder_with_a_page_module_becomes_a_page(session, monkeypatch, tmp_path):
-    blank = SimpleNamespace(TITLE="Blank", ORDER=0, Page=Sheet)
-    monkeypatch.setattr(pages, "HERE", tmp_path)
-    monkeypatch.setattr(pages, "import_module", lambda name: blank)
-    (tmp_path / "law").mkdir()
-    (tmp_path / "law" / "page.py").touch()
-    listed = pages.listed.__wrapped__()
-    assert listed == {"law": blank}
-    monkeypatch.setattr(pages, "listed", lambda: listed)
+def test_a_page_with_nothing_of_its_own_opens_hears_what_happens_and_closes(session, monkeypatch):
+    monkeypatch.setattr(pages, "listed", lambda: {"law": SimpleNamespace(TITLE="Blank", ORDER=0, Page=Sheet)})
     order(session, "page", page="law")
     order(session, "scene", E="80")
     order(session, "ask", what="ever")
     assert session.pages.page.published["open"] == "law"
-    assert 'sheet("law")' in section("law")  # a macro of page.html
     order(session, "page", page="")
     assert session.pages.page is None
 

@@ -42,21 +42,14 @@ def test_a_hanging_task_is_ended_with_its_worker():
     workers.close()
 
 
-def test_an_idle_worker_that_is_killed_is_replaced_at_once():
-    workers = Pool(size=1)
-    first = workers.submit(os.getpid).result(PATIENCE)
-    os.kill(first, signal.SIGKILL)
-    until(lambda: workers.processes() not in ([], [first]) and workers.status == "ready")
-    assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
-    workers.close()
+FORKED = pytest.mark.skipif(caller.START != "forkserver", reason="processes are not forked here")
 
 
-@pytest.mark.thorough
-@pytest.mark.skipif(caller.START != "forkserver", reason="processes are not forked here")
-def test_workers_are_replaced_after_the_fork_server_is_killed():
+@pytest.mark.parametrize("killed", [os.getpid, pytest.param(os.getppid, marks=[pytest.mark.thorough, FORKED])])
+def test_an_idle_worker_is_replaced_at_once_when_it_or_the_fork_server_is_killed(killed):
     workers = Pool(size=1)
     first = workers.submit(os.getpid).result(PATIENCE)
-    os.kill(workers.submit(os.getppid).result(PATIENCE), signal.SIGKILL)
+    os.kill(workers.submit(killed).result(PATIENCE), signal.SIGKILL)
     until(lambda: workers.processes() not in ([], [first]) and workers.status == "ready")
     assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
     workers.close()

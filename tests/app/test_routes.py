@@ -77,26 +77,11 @@ def test_a_started_server_has_the_listed_routes_and_no_others_nor_holoviews_whic
     assert dropped == removed and not plots
 
 
-@pytest.mark.slow
-def test_a_server_of_the_file_alone_ends_with_a_sentence_at_the_first_visit():
-    """It has run no hooks, so that routes of Panel are open, one of which imports what a visitor names."""
-    command = [Path(sys.executable).parent / "panel", "serve", "app/main.py", "--port", "0", "--address", "127.0.0.1"]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
-        try:
-            address = next(line for line in server.stdout if "running at" in line).split()[-1]
-            with contextlib.suppress(OSError, http.client.HTTPException):
-                urllib.request.urlopen(address, timeout=120)
-            assert server.wait(120) != 0
-            assert "Serve the folder: panel serve app" in server.stdout.read()
-        finally:
-            server.kill()
-
-
 @contextlib.contextmanager
-def started(*options):
-    """(the process of `panel serve app`, an iterator over the lines of its log)."""
+def started(served, *options):
+    """(the process of `panel serve`, an iterator over the lines of its log)."""
     panel = Path(sys.executable).parent / "panel"
-    command = [panel, "serve", "app", "--address", "127.0.0.1", *options]
+    command = [panel, "serve", served, "--port", "0", "--address", "127.0.0.1", *options]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as server:
         try:
             yield server, iter(server.stdout)
@@ -105,10 +90,21 @@ def started(*options):
 
 
 @pytest.mark.slow
+def test_a_server_of_the_file_alone_ends_with_a_sentence_at_the_first_visit():
+    """It has run no hooks, so that routes of Panel are open, one of which imports what a visitor names."""
+    with started("app/main.py") as (server, lines):
+        address = next(line for line in lines if "running at" in line).split()[-1]
+        with contextlib.suppress(OSError, http.client.HTTPException):
+            urllib.request.urlopen(address, timeout=120)
+        assert server.wait(120) != 0
+        assert "Serve the folder: panel serve app" in "".join(lines)
+
+
+@pytest.mark.slow
 def test_servers_of_num_procs_name_the_port_that_the_system_has_chosen_and_end_with_their_parent():
     """They share the pipe of the log with it, which has an end only when all of them have ended."""
     count = 1 if sys.platform == "win32" else 2  # --num-procs needs a fork
-    with started("--port", "0", "--num-procs", f"{count}", "--allow-websocket-origin=*") as (server, lines):
+    with started("app", "--num-procs", f"{count}", "--allow-websocket-origin=*") as (server, lines):
         told = {"running at": [], "visitors open": []}
         while min(map(len, told.values())) < count:
             line = next(lines)

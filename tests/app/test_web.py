@@ -13,7 +13,6 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
@@ -32,6 +31,7 @@ from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
+from visitor import waited
 
 from app import assets, experiment, page, routes, server_log, web
 from app.service import metrics
@@ -172,9 +172,7 @@ def test_a_websocket_under_a_foreign_host_name_is_rejected_even_with_a_valid_tok
 
     def status(host, origin):
         headers = {"Host": host, "Origin": f"http://{origin}", "Sec-WebSocket-Protocol": f"bokeh, {token}"} | site
-        call = connected(f"{address.replace('http', 'ws')}/app/ws", headers)
-        with ThreadPoolExecutor(1) as thread:  # where a browser test came before, this one has a loop that runs
-            return thread.submit(asyncio.run, call).result(60.0)
+        return waited(connected(f"{address.replace('http', 'ws')}/app/ws", headers))
 
     assert status(FOREIGN, FOREIGN) == status("localhost:5006", FOREIGN) == 403
     monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", FOREIGN)
@@ -205,8 +203,7 @@ def test_bokeh_is_not_asked_about_the_origin_of_its_own_page(address, monkeypatc
     monkeypatch.setattr(WSHandler, "check_origin", lambda self, origin: not asked.append(origin))
     token, host = tokens(get(f"{address}/app")[2]), address.removeprefix("http://")
     headers = {"Host": host, "Origin": address, "Sec-WebSocket-Protocol": f"bokeh, {token}"}
-    with ThreadPoolExecutor(1) as thread:
-        assert thread.submit(asyncio.run, connected(f"ws://{host}/app/ws", headers)).result(60.0) == 101
+    assert waited(connected(f"ws://{host}/app/ws", headers)) == 101
     assert asked == []
 
 
@@ -248,11 +245,17 @@ def test_half_sent_bodies_and_headers_are_closed_after_a_time(address, monkeypat
     assert exchange(address, b"") == b""
 
 
-def test_a_silent_connection_does_not_keep_visitors_out(address, monkeypatch, caplog):
+@pytest.fixture
+def one_place(monkeypatch, caplog):
+    """Room for one visitor, who may be silent for 0.2 s."""
     caplog.set_level(logging.INFO, "app")
     monkeypatch.setattr(message_filter, "SILENT", 0.2)
     monkeypatch.setattr(message_filter, "VISITORS", 1)
     monkeypatch.setattr(message_filter, "connected", set())
+
+
+@pytest.mark.usefixtures("one_place")
+def test_a_silent_connection_does_not_keep_visitors_out(address, caplog):
     token = tokens(get(f"{address}/app")[2])
 
     async def close_code():
@@ -262,18 +265,14 @@ def test_a_silent_connection_does_not_keep_visitors_out(address, monkeypatch, ca
             pass  # the server acknowledges the connection
         return made.close_code
 
-    with ThreadPoolExecutor(1) as thread:
-        assert thread.submit(asyncio.run, close_code()).result(60.0) == message_filter.TRY_LATER
+    assert waited(close_code()) == message_filter.TRY_LATER
     assert get(f"{address}/app")[0] == 200
     (record,) = logged(caplog, "rejected")
     assert "TimeoutError" in record.message and record.peer == "127.0.0.1"
 
 
-def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, monkeypatch, caplog):
-    caplog.set_level(logging.INFO, "app")
-    monkeypatch.setattr(message_filter, "SILENT", 0.2)
-    monkeypatch.setattr(message_filter, "VISITORS", 1)
-    monkeypatch.setattr(message_filter, "connected", set())
+@pytest.mark.usefixtures("one_place")
+def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, caplog):
     token, (host, port) = tokens(get(f"{address}/app")[2]), address.removeprefix("http://").split(":")
     lines = [
         "GET /app/ws HTTP/1.1",
@@ -397,17 +396,11 @@ def test_files_of_plain_panel_pages_are_served(address):
     assert set(found) == {200}
 
 
-def test_the_root_redirects_to_the_page_by_a_relative_address(address):
+@pytest.mark.parametrize(("path", "to"), [("/", "./app"), ("/app/?E=80", "../app?E=80")])
+def test_root_and_trailing_slash_are_redirected_by_a_relative_address(address, path, to):
     asked = http.client.HTTPConnection(address.removeprefix("http://"), timeout=60)
-    asked.request("GET", "/")
-    assert asked.getresponse().headers["Location"] == "./app"
-    asked.close()
-
-
-def test_a_trailing_slash_is_redirected_by_a_relative_address(address):
-    asked = http.client.HTTPConnection(address.removeprefix("http://"), timeout=60)
-    asked.request("GET", "/app/?E=80")
-    assert asked.getresponse().headers["Location"] == "../app?E=80"  # a proxy may have taken a prefix away
+    asked.request("GET", path)
+    assert asked.getresponse().headers["Location"] == to  # a proxy may have taken a prefix away
     asked.close()
 
 

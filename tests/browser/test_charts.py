@@ -36,7 +36,6 @@ def test_numbers_of_an_axis_are_round_and_within_it(tab, start, end, most, texts
 def test_a_curve_lies_where_the_axes_say(look):
     """The pixel at a point of the curve of A has its colour, on every screen as sharp as the screen is."""
     page = look("?theme=light&du_x=0.5&u_x_max=8")
-    finished(page)
     page.keyboard.press("Home")
     ratio, inside, outside = page.evaluate(
         """() => {
@@ -67,7 +66,6 @@ def test_a_curve_lies_where_the_axes_say(look):
 )
 def test_a_chart_tells_beside_the_mouse_what_is_there_and_a_click_goes_there(look, view, said):
     page = look("?more=1")
-    finished(page)
     page.keyboard.press("End")
     laid_out(page)
     page.evaluate(TEXTS)
@@ -88,7 +86,6 @@ def test_a_chart_tells_beside_the_mouse_what_is_there_and_a_click_goes_there(loo
 @pytest.mark.thorough
 def test_a_node_tells_its_state_place_gap_and_tractions(look):
     page = look()
-    finished(page)
     page.keyboard.press("End")
     laid_out(page)
     page.evaluate(TEXTS)
@@ -102,7 +99,6 @@ def test_a_node_tells_its_state_place_gap_and_tractions(look):
 @pytest.mark.thorough
 def test_several_changes_are_painted_once_and_what_is_not_in_sight_never(look):
     page = look("?more=0")  # forces only
-    finished(page)
     counts = imported(page, "store").evaluate(
         """async () => {
             const counts = {}

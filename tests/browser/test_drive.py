@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE, finished, from_menu
-from tabs import imported
+from served import enter, finished, from_menu
+from tabs import at_stop
 
 from solver import load_path
 from solver.presets import preset
@@ -21,7 +21,6 @@ def frames():
 def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames):
     """Top and stage of every increment are those of the solver, in the picture and in the CSV."""
     page = look("?preset=soft-drive&more=1")
-    finished(page)
     tops = page.evaluate("punch.run.curves.U_x.map((_, k) => punch.run.top(k)).slice(punch.run.sheared)")
     assert tops == pytest.approx([frame.U_x_top for frame in frames], abs=1e-4)
     slip = next(k for k, frame in enumerate(frames) if frame.slips)
@@ -29,7 +28,7 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
 
     last = frames[-1]
     page.keyboard.press("End")
-    page.get_by_text(f"Uₓ = {last.U_x:.1f} nm (top {last.U_x_top:.1f} nm)").wait_for(timeout=PATIENCE)
+    page.get_by_text(f"Uₓ = {last.U_x:.1f} nm (top {last.U_x_top:.1f} nm)").wait_for()
 
     from_menu(page, "#take")
     with page.expect_download() as download:
@@ -42,38 +41,26 @@ def test_soft_drive_stretches_while_it_sticks_and_relaxes_in_a_slip(look, frames
 
 
 @pytest.mark.thorough
-def test_run_with_a_rigid_drive_draws_no_spring_and_has_no_columns_of_the_top(look):
-    page = look("?u_x_max=2&more=1")
-    finished(page)
-    assert not page.evaluate("punch.run.driven")
-    assert page.evaluate("punch.run.top(punch.run.length - 1) === punch.run.curves.U_x.at(-1)")
-
-
-@pytest.mark.thorough
-def test_drive_is_entered_in_the_parameters_and_kept_in_the_address(look):
+def test_drive_is_entered_in_the_parameters_kept_in_the_address_and_drawn_unless_rigid(look):
     page = look("?drive_t=4&u_x_max=3&more=1")
-    finished(page)
-    assert "drive_t=4" in page.url
+    assert "drive_t=4" in page.url and page.evaluate("punch.run.driven")
     entered = page.evaluate("punch.status.values")
     assert (entered["drive_t"], entered["drive_n"]) == (4, "inf")
     from_menu(page, "#parameters")
-    page.locator("#drive_t-entry").fill("0")
-    page.keyboard.press("Enter")
-    page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for(timeout=PATIENCE)
-    page.locator("#drive_t-entry").fill("inf")
-    page.keyboard.press("Enter")
-    page.wait_for_function("punch.status.values.drive_t === 'inf' && punch.status.state === 'finished'")
+    enter(page, "drive_t", "0")
+    page.get_by_text("allowed: 10⁻⁶ to 10⁶ or inf MPa/nm").first.wait_for()
+    enter(page, "drive_t", "inf")
+    finished(page, run=2)
+    assert page.evaluate("punch.status.values.drive_t") == "inf" and not page.evaluate("punch.run.driven")
     assert "drive_t" not in page.url
 
 
 @pytest.mark.thorough
 def test_tour_question_on_a_soft_drive_matches_the_solver(look):
-    page = look("?more=0")
-    imported(page, "tour").evaluate("modules.tour.openTour(7)")
-    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+    page = at_stop(look("?more=0"), 7)
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="after a longer pull, at the same force").click()
-    page.locator("#tour-card [role=status]", has_text="Yes.").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]", has_text="Yes.").wait_for()
     scenes = [preset("fig6").scene.changed(drive_t=drive_t) for drive_t in (inf, 10.0)]
     rigid, soft = (next(frame for frame in load_path(scene) if frame.U_x > 0 and frame.slips) for scene in scenes)
     rigid, soft = rigid.slips[0], soft.slips[0]

@@ -19,7 +19,6 @@ def along(page):
 
 def test_approach_is_plotted_over_indentation_and_marks_the_jump_into_contact(look):
     page = look("?du_x=0.5")
-    finished(page)
     page.locator("body").press("Home")
     page.wait_for_function("!punch.fresh && punch.mapped && punch.approach")
     assert along(page) == "indentation δ (nm)"
@@ -36,7 +35,6 @@ def test_approach_is_plotted_over_indentation_and_marks_the_jump_into_contact(lo
 @pytest.mark.parametrize("query", ["?u_x_max=0", "?path=unload&delta_bar=-1", "?delta_bar=-1&du_x=1"])
 def test_runs_without_shear_or_contact_have_valid_axes_and_an_explanation(look, query):
     page = look(query)
-    finished(page)
     start, end = page.evaluate("[charts.forces.x.start, charts.forces.x.end]")
     assert start < end
     assert len(column(page, "forces.L", "x")) > 0
@@ -46,7 +44,6 @@ def test_runs_without_shear_or_contact_have_valid_axes_and_an_explanation(look, 
 
 def test_arrows_show_the_direction_of_loops_and_unloading(look):
     page = look("?path=loop&u_x_max=10&du_x=0.5")
-    finished(page)
     assert column(page, "forces.ways", "marker") == ["right", "right", "left", "left", "right", "right"]
     page.locator("main .map figcaption").click()  # large, it has room for its key
     page.locator("#branch").wait_for()  # the edges on the way that is not shown have a key
@@ -62,7 +59,6 @@ def test_arrows_show_the_direction_of_loops_and_unloading(look):
 
 def test_increments_without_an_equilibrium_are_hatched_and_labelled(look):
     page = look("?du_x=0.5&u_x_max=39")  # of this test alone, as it spoils the run
-    finished(page)
     assert page.locator("#unrested").is_hidden()
     page.evaluate(
         """() => { // as if the surface had not come to rest in the three increments before its last slip

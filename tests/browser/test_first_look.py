@@ -1,8 +1,8 @@
 """The first look: one idea in sight, and what *More* and the tour add to it."""
 
 import pytest
-from served import FAULTS, PATIENCE, finished, from_menu, laid_out
-from tabs import imported
+from served import FAULTS, finished, from_menu, laid_out
+from tabs import at_stop
 
 MOST = 16  # controls and marks at first sight
 OPERABLE = """() => {
@@ -37,8 +37,7 @@ def visible(page, parts):
 
 
 def large(page):
-    page.set_viewport_size({"width": 1440, "height": 900})
-    laid_out(page)
+    laid_out(page, (1440, 900))
     return page
 
 
@@ -99,9 +98,7 @@ def test_the_hint_to_drag_goes_with_the_first_move_and_is_not_for_links(server, 
 @pytest.mark.thorough
 @pytest.mark.parametrize(("stop", "part"), [(1, "#lens"), (2, ".view[data-view=map]"), (5, "#bands")])
 def test_a_stop_of_the_tour_brings_one_part_of_more(look, stop, part):
-    page = large(look("?more=0"))
-    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
-    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+    page = at_stop(large(look("?more=0")), stop)
     page.locator(part).first.wait_for()
     others = [other for other in ("#lens", "#bands", ".view[data-view=map]") if other != part]
     assert visible(page, others) == []

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served import PATIENCE
+from served import enter
 from tabs import imported
 
 from app.pages.load.page import DEPTHS
@@ -25,7 +25,7 @@ def first_slip(**changed):
 
 
 def has_points(page, count):
-    page.wait_for_function(POINTS.format(count, "" if count == 1 else "s"), timeout=PATIENCE)
+    page.wait_for_function(POINTS.format(count, "" if count == 1 else "s"))
 
 
 def said(page, name):
@@ -39,11 +39,6 @@ def said(page, name):
     )
 
 
-def enter(page, name, text):
-    page.fill(f"#{name}-entry", text)
-    page.keyboard.press("Enter")
-
-
 def cleared(look, address):
     """The app at an address, without the points of the runs before.
 
@@ -55,14 +50,13 @@ def cleared(look, address):
 
 
 @pytest.fixture
-def opened(look):
+def page(look):
     page = cleared(look, f"?page=load&{ADDRESS}")
     has_points(page, 1)
     return page
 
 
-def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter(opened):
-    page = opened
+def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter(page):
     page.locator("#E").focus()
     page.keyboard.press("ArrowRight")
     has_points(page, 2)
@@ -79,25 +73,23 @@ def test_each_run_adds_the_load_and_force_of_its_first_slip_by_changed_parameter
 
 
 @pytest.mark.thorough
-def test_repeated_scenes_and_runs_without_a_slip_add_no_point(opened):
-    page = opened
+def test_repeated_scenes_and_runs_without_a_slip_add_no_point(page):
     for value, count in (("80", 2), ("70", 2)):
         enter(page, "E", value)
         page.wait_for_function(f"punch.status.values.E === {value}")
         page.wait_for_function(f"punch.run.head.scene.E === {value} && punch.run.whole && !punch.run.followed")
         has_points(page, count)
     enter(page, "phi_ratio", "0")
-    page.wait_for_function("punch.run.head.scene.phi_ratio === 0 && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    page.wait_for_function("punch.run.head.scene.phi_ratio === 0 && punch.run.whole && !punch.fresh")
     has_points(page, 2)
 
 
 @pytest.mark.thorough
-def test_points_stay_while_the_page_is_closed_and_clear_removes_them(opened):
-    page = opened
+def test_points_stay_while_the_page_is_closed_and_clear_removes_them(page):
     page.locator("#load .close").click()
     page.wait_for_function("document.getElementById('load').hidden")
     enter(page, "E", "80")
-    page.wait_for_function("punch.run.head.scene.E === 80 && punch.run.whole && !punch.fresh", timeout=PATIENCE)
+    page.wait_for_function("punch.run.head.scene.E === 80 && punch.run.whole && !punch.fresh")
     page.evaluate("document.querySelector('nav button[data-page=load]').click()")
     has_points(page, 2)
     page.locator("#load-clear").click()
@@ -122,8 +114,7 @@ def test_run_through_points_leaves_the_first_slip_of_its_path_named_as_such(look
 
 
 @pytest.mark.thorough
-def test_points_are_exported_as_csv(opened):
-    page = opened
+def test_points_are_exported_as_csv(page):
     enter(page, "E", "80")
     has_points(page, 2)
     with page.expect_download() as download:
@@ -144,8 +135,7 @@ def test_a_single_point_without_load_lies_on_axes_of_the_size_of_forces(look):
     assert L[0] < -1.0 and L[1] > 1.0
 
 
-def test_sweep_of_the_press_depth_adds_twelve_runs_of_one_interface_and_their_force_without_load(opened):
-    page = opened
+def test_sweep_of_the_press_depth_adds_twelve_runs_of_one_interface_and_their_force_without_load(page):
     page.get_by_role("button", name="Sweep the press depth").click()
     has_points(page, 12)  # the run on screen is one of them
     page.wait_for_function("!charts.load_slips.changed")  # painted, also while nothing plays

@@ -1,7 +1,7 @@
 """The stress in the punch in Chromium: fringes, and components with their sign."""
 
 import pytest
-from served import finished, laid_out, values_are
+from served import enter, laid_out, values_are
 
 pytestmark = pytest.mark.thorough
 KEY = "document.getElementById('fringe-most').textContent"
@@ -9,10 +9,8 @@ KEY = "document.getElementById('fringe-most').textContent"
 
 def test_stress_per_fringe_changes_only_when_the_user_chooses_it(visit):
     page = visit("?E=71.6")
-    finished(page)
     page.wait_for_function(f"{KEY} === '0.6 GPa'")
-    page.locator("#delta_bar-entry").fill("0.4")  # pressed harder: the tractions are larger
-    page.keyboard.press("Enter")
+    enter(page, "delta_bar", "0.4")  # pressed harder: the tractions are larger
     values_are(page, delta_bar=0.4)
     page.wait_for_function("!punch.fresh && punch.drawn >= 0")
     assert page.evaluate(KEY) == "0.6 GPa"
@@ -23,7 +21,6 @@ def test_stress_per_fringe_changes_only_when_the_user_chooses_it(visit):
 def test_a_page_that_opens_with_a_stored_run_gets_the_table_of_its_layer(visit):
     """It was asked for before the first run was, and the server knew of none."""
     page = visit()
-    finished(page)
     page.wait_for_function("Boolean(Bokeh.documents[0].roots()[0].data.table.body)")
 
 
@@ -43,10 +40,8 @@ SCREENS = (1440, 900), (1366, 768), (1280, 720), (390, 844)
 )
 def test_the_scale_of_the_fringes_is_in_sight_on_every_screen(look, query, sizes):
     page = look(query)
-    finished(page)
     for width, height in sizes:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         assert page.evaluate(WHOLE), (width, height)
 
 
@@ -66,7 +61,6 @@ CHOOSE = "(of, value) => { of.value = value; of.dispatchEvent(new Event('change'
 def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
     """A punch that is pressed is squeezed above the contact, stretched where its edges adhere, and held back."""
     page = look("?delta_bar=0.4&k=190&theme=light")
-    finished(page)
     page.wait_for_function("punch.drawn === 190")
     stress = page.locator("#stress")
     painted = f"({LOWEST})(0.5) !== null"

@@ -1,19 +1,13 @@
 """Browser history, and addresses that restore scene, increment and page."""
 
 import pytest
-from served import FAULTS, PARABOLA, PATIENCE, PLAYING, finished, from_menu, laid_out, values_are
+from served import FAULTS, PARABOLA, PLAYING, enter, from_menu, laid_out, values_are
 
 pytestmark = pytest.mark.thorough
 
 
-def enter(page, name, text):
-    page.fill(f"#{name}-entry", text)
-    page.keyboard.press("Enter")
-
-
-def test_back_and_forward_go_through_settled_changes(visit):
+def test_back_and_forward_go_through_settled_changes_and_presets(visit):
     page = visit("?du_x=0.5&u_x_max=10")
-    finished(page)
     page.focus("#delta_bar")
     for _ in range(5):  # one movement of the hand is one change
         page.keyboard.press("ArrowRight")
@@ -31,31 +25,19 @@ def test_back_and_forward_go_through_settled_changes(visit):
     page.go_forward()
     values_are(page, delta_bar=0.05, E=200)
     assert page.input_value("#E-entry") == "200"
-
-
-def test_back_and_forward_go_through_changes_and_pages(visit):
-    page = visit()
-    finished(page)
     page.select_option("#preset", "fig7-case2")
     values_are(page, delta_bar=0.4)
-    page.wait_for_url("**preset=fig7-case2**")  # a settled change is an entry of the history
-    from_menu(page, "nav [data-page=law]")
-    page.wait_for_url("**page=law**")
-    page.go_back()  # the page was opened last
-    page.wait_for_function("!location.search.includes('page=law')")
-    values_are(page, delta_bar=0.4)
+    page.wait_for_url("**preset=fig7-case2**")
     page.go_back()
-    values_are(page, delta_bar=0)
-    page.wait_for_function("document.getElementById('preset').value === 'fig6'")
+    values_are(page, delta_bar=0.05, E=200)
+    page.wait_for_function("punch.status.preset === 'fig6'")
     page.go_forward()
     values_are(page, delta_bar=0.4)
     page.wait_for_function("document.getElementById('preset').value === 'fig7-case2'")
-    page.wait_for_url("**preset=fig7-case2**")
 
 
 def test_back_after_reset_restores_the_parameter_that_was_changed_last(visit):
     page = visit()
-    finished(page)
     enter(page, "E", "80")
     values_are(page, E=80)
     page.wait_for_url("**E=80**")
@@ -68,7 +50,6 @@ def test_back_after_reset_restores_the_parameter_that_was_changed_last(visit):
 
 def test_back_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     page = visit("?u_x_max=4&du_x=0.5")
-    finished(page)
     from_menu(page, "#parameters")
     (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     page.set_input_files("#profile", tmp_path / "wave.csv")
@@ -82,14 +63,13 @@ def test_back_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     values_are(page, surface="measured", width=500)
     assert page.evaluate("punch.run.curves.F_bar") == curve
     page.reload()
-    page.wait_for_function("() => window.punch?.status.values", timeout=PATIENCE)
+    page.wait_for_function("() => window.punch?.status.values")
     values_are(page, surface="measured", width=500)
     assert page.evaluate("punch.run.curves.F_bar") == curve
 
 
 def test_address_holds_the_increment_of_a_paused_run(visit):
     page = visit("?v=1&delta_bar=0.1&k=209")
-    finished(page)
     page.wait_for_function("punch.drawn === 209 && !punch.playing")
     page.locator("body").press("ArrowRight")
     page.wait_for_function("new URLSearchParams(location.search).get('k') === '210'")
@@ -99,26 +79,21 @@ def test_address_holds_the_increment_of_a_paused_run(visit):
 
 def test_invalid_increments_in_the_address_are_harmless(visit):
     page = visit("?k=99999")
-    finished(page)
     page.wait_for_function("punch.drawn === punch.run.length - 1 && !punch.playing")
     page = visit("?k=-3", **PLAYING)
-    finished(page)
     page.wait_for_function("punch.drawn > punch.run.sheared + 1")  # it plays
 
 
 def test_an_embedded_page_hides_header_and_pages_and_nothing_else(visit):
     page = visit("?embed=1&delta_bar=0.1&k=150&page=law&more=0")
-    finished(page)
     page.wait_for_function("punch.drawn === 150 && !punch.playing")
     assert not page.locator("header, .sheet").locator("visible=true").count()
     assert page.locator(".controls input[type=range]:visible").count() == 3
     assert page.locator("#play").is_visible() and page.locator("#scrub").is_visible()
     assert page.locator("figure:visible").count() == 2 and page.locator("#sentence").is_visible()  # punch and forces
     for width, height in ((960, 600), (800, 600), (844, 390), (600, 400), (400, 300), (320, 256)):
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         assert page.locator("#punch-view").bounding_box()["height"] >= 140, (width, height)
         assert not page.evaluate(FAULTS), (width, height)
-    page.fill("#delta_bar-entry", "0.12")
-    page.keyboard.press("Enter")
+    enter(page, "delta_bar", "0.12")
     values_are(page, delta_bar=0.12)

@@ -1,7 +1,7 @@
 """The research pages in a browser: opened from the menu with the scene, computed, and left with the scene."""
 
 import pytest
-from served import PATIENCE, finished, found_by_axe
+from served import finished, found_by_axe
 from tabs import DESKTOP, Tabs
 
 from app import lab
@@ -69,7 +69,7 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
     if name in LONG:
         cancel.click()
         tab.get_by_text("Cancelled.").wait_for()
-    cancel.wait_for(state="hidden", timeout=PATIENCE)
+    cancel.wait_for(state="hidden")
     assert "#ffffff" not in tab.evaluate(BACKGROUNDS).values()  # the theme is dark
     tab.wait_for_function(f"() => !({SMALL})().length")  # no text is smaller than 14 pixels
     for width in (820, 390):
@@ -85,7 +85,7 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
 
 
 def test_an_unknown_page_is_named_and_the_experiment_is_one_link_away(visit):
-    page = visit("?lab=secret&E=35")
+    page = visit("?lab=secret&E=35", rests=False)
     page.get_by_text("There is no page “secret”").wait_for()
     assert page.get_by_role("link", name="Back to the experiment").get_attribute("href") == "?E=35"
 
@@ -104,7 +104,7 @@ HANDLES = """() => {
 
 
 def test_sliders_and_entries_move_each_other_and_the_scene_with_names_that_come_back_when_rendered_again(visit):
-    page = visit(QUICK.replace("?", "?lab=accuracy&"))
+    page = visit(QUICK.replace("?", "?lab=accuracy&"), rests=False)
     are = f"(wanted) => JSON.stringify(({HANDLES})()) === JSON.stringify(wanted)"
     positions = {control.name: control.positions for control in CONTROLS}
     nearest = min(positions["E"], key=lambda E: abs(E - 35))

@@ -1,7 +1,7 @@
 """The layout at every screen size: no clipped text, no overlap, and plots that are high enough."""
 
 import pytest
-from served import FAULTS, faults_at, finished, from_menu, laid_out
+from served import FAULTS, enter, faults_at, from_menu, laid_out
 
 pytestmark = pytest.mark.thorough
 
@@ -29,8 +29,7 @@ def higher(page, sizes):
     """{size: height of the page}, where the first screen scrolls."""
     found = {}
     for width, height in sizes:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         if (high := page.evaluate("document.documentElement.scrollHeight")) > height:
             found[width, height] = high
     return found
@@ -64,8 +63,7 @@ def test_a_page_zoomed_to_250_percent_and_more_scrolls_to_all_its_parts(look, qu
     page = look(query)
     assert not faults_at(page, SMALL)
     for width, height in SMALL:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         assert page.evaluate("document.documentElement.scrollHeight") > height, (width, height)
         assert not page.evaluate(OUT_OF_REACH), (width, height)
 
@@ -83,16 +81,14 @@ def test_the_label_of_every_slider_has_one_line_on_windows_that_show_three_besid
     """A label in two lines puts its slider lower than the others."""
     page = look()
     for width in (900, 1000, 1060, 1180):
-        page.set_viewport_size({"width": width, "height": 800})
-        laid_out(page)
+        laid_out(page, (width, 800))
         tops = page.evaluate("[...document.querySelectorAll('.control input[type=range]')].map((e) => e.offsetTop)")
         assert len(tops) == 3 and len(set(tops)) == 1, width
 
 
 def test_slider_marks_cover_no_number_and_the_description_is_not_cut(look):
     page = look("?more=1")
-    page.set_viewport_size({"width": 1440, "height": 900})
-    laid_out(page)
+    laid_out(page, (1440, 900))
     page.locator(".mark span").first.wait_for()
     assert not page.evaluate(OVER_ENDS)
     page.keyboard.press("Home")
@@ -102,7 +98,6 @@ def test_slider_marks_cover_no_number_and_the_description_is_not_cut(look):
 
 def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
     page = visit("?more=0", viewport={"width": 390, "height": 844}, has_touch=True)
-    finished(page)
     punch, player = (page.locator(what).bounding_box() for what in ("#punch-view", ".player"))
     assert punch["y"] + 140 < player["y"]
     finger, grip = page.context.new_cdp_session(page), page.locator("#grab").bounding_box()
@@ -131,11 +126,9 @@ def test_phone_hides_pages_in_a_menu_and_a_finger_drags_the_punch_down(visit):
 
 def test_an_error_message_leaves_slider_widths_unchanged(look):
     page = look()
-    finished(page)
     widths = "['delta_bar', 'phi_ratio', 'E'].map((name) => document.getElementById(name).clientWidth)"
     before = page.evaluate(widths)
-    page.fill("#E-entry", "abc")
-    page.keyboard.press("Enter")
+    enter(page, "E", "abc")
     page.locator("#E-error").wait_for()
     assert page.evaluate(widths) == before
 
@@ -148,8 +141,7 @@ def test_punch_fills_its_share_of_every_screen_beside_a_visible_curve(look):
     page = look("?more=0")
     others = (1920, 1080), (900, 600), (1024, 600), (1024, 700), (1180, 600), (1366, 657)
     for width, height in (*SHARES, *others):
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         hero, curve = (page.locator(what).bounding_box() for what in (".hero", ".view[data-view=forces]"))
         assert hero["width"] * hero["height"] >= SHARES.get((width, height), 0.4) * width * height, (width, height)
         assert page.evaluate("charts.forces.box.height") >= PLOTS.get((width, height), 0)
@@ -167,12 +159,10 @@ REASON = (
 
 def test_long_sentences_do_not_move_curves_and_sliders(visit):
     page = visit("?more=0")
-    finished(page)
     where = """() => ["figure.forces .view", ".control[data-shown]", ".player"].map((name) => (
         ((box) => [box.top, box.height])(document.querySelector(name).getBoundingClientRect())))"""
     for width, height in SIZES:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         places = []
         for sentence, reason, state in (
             ("", "", "paused"),
@@ -194,15 +184,14 @@ def test_long_sentences_do_not_move_curves_and_sliders(visit):
 
 def test_a_phone_on_its_side_shows_the_whole_punch_above_sliders_and_play(look):
     page = look("?more=0")
-    page.set_viewport_size({"width": 844, "height": 390})
-    laid_out(page)
+    laid_out(page, (844, 390))
     punch, sliders, play = (page.locator(what).bounding_box() for what in ("#punch-view", ".sliders", "#play"))
     assert punch["y"] + punch["height"] <= sliders["y"]
     assert play["y"] + play["height"] <= 390
 
 
 def test_a_page_opened_on_a_phone_starts_at_its_heading(visit):
-    page = visit("?page=law", viewport={"width": 390, "height": 844})
+    page = visit("?page=law", rests=False, viewport={"width": 390, "height": 844})
     page.wait_for_function(
         "() => { const { top } = document.querySelector('#law h2').getBoundingClientRect();"
         " return top >= -1 && top < innerHeight / 2 }"
@@ -212,13 +201,11 @@ def test_a_page_opened_on_a_phone_starts_at_its_heading(visit):
 @pytest.mark.parametrize("query", ["?more=0", "?more=1"])
 def test_a_flat_shows_picture_text_and_one_curve_at_every_size(look, query):
     page = look(f"{query}&preset=fig4a-blue")
-    finished(page)
     page.locator("main").evaluate("(main) => { main.dataset.chosen = 'area' }")  # a curve that a flat has not
     places = """() => ['.hero', '#narration', '.forces'].map((what) => document.querySelector(`main ${what}`))
         .map((part) => part.getBoundingClientRect()).map((box) => [box.left, box.right, box.top, box.bottom])"""
     for width, height in SIZES:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         assert not page.evaluate(FAULTS), (width, height)
         boxes = page.evaluate(places)
         for i, (left, right, top, bottom) in enumerate(boxes):

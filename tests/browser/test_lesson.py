@@ -1,7 +1,6 @@
 """A class that answers, in Chromium: a teacher's screen and two students."""
 
 import pytest
-from served import PATIENCE, finished
 
 pytestmark = pytest.mark.thorough
 
@@ -12,13 +11,12 @@ def room(visit):
     pages = []
     for _ in range(3):
         pages.append(visit("?class=quad&more=0"))
-        pages[-1].wait_for_function("window.punch?.lesson", timeout=PATIENCE)
-        finished(pages[-1])
+        pages[-1].wait_for_function("window.punch?.lesson")
     return pages
 
 
 def vote(page, text):
-    page.locator("button.answer", has_text=text).click(timeout=PATIENCE)
+    page.locator("button.answer", has_text=text).click()
     page.get_by_text("Your answer counts.").wait_for()
 
 
@@ -41,7 +39,7 @@ def test_votes_are_counted_shown_and_decided_by_the_run(room):
     teacher.get_by_role("button", name="Run", exact=True).click()
     said = [page.locator("#tour-card [role=status]") for page in room]
     for page in said:
-        page.wait_for(timeout=PATIENCE)
+        page.wait_for()
     texts = [page.inner_text() for page in said]
     assert texts[0].startswith("1 of 2 chose the right answer.") and {text[:4] for text in texts[1:]} == {
         "Yes.",
@@ -55,28 +53,27 @@ def test_votes_are_counted_shown_and_decided_by_the_run(room):
 def test_a_late_student_joins_at_the_stop_of_the_class_and_may_leave_it(room, visit):
     teacher = room[0]
     teacher.locator("#tour").click()
-    late = visit("?class=QUAD&more=0")
-    late.get_by_role("heading", name="1 of 9: First").wait_for(timeout=PATIENCE)
+    late = visit("?class=QUAD&more=0", rests=False)
+    late.get_by_role("heading", name="1 of 9: First").wait_for()
     late.get_by_role("button", name="End tour").click()
     assert late.locator("#scrub").is_visible() and late.locator("#E").is_enabled()
 
 
 def test_the_teachers_own_question_is_answered_by_the_runs_of_both_scenes(visit):
-    teacher = visit("?class=OWNQ&more=0&u_x_max=16&ask=F_s&change=phi_ratio:0.5")
-    student = visit("?class=OWNQ&more=0")
-    student.get_by_text("How large is the friction when it slips").wait_for(timeout=PATIENCE)
+    teacher = visit("?class=OWNQ&more=0&u_x_max=16&ask=F_s&change=phi_ratio:0.5", rests=False)
+    student = visit("?class=OWNQ&more=0", rests=False)
+    student.get_by_text("How large is the friction when it slips").wait_for()
     vote(student, "lower")
     teacher.get_by_role("button", name="Show the answers").click()
     for page in (teacher, student):
         page.evaluate("punch.speed = 40")
     teacher.get_by_role("button", name="Run", exact=True).click()
-    student.get_by_text("Yes. It is 141.9 N/m instead of").wait_for(timeout=PATIENCE)
+    student.get_by_text("Yes. It is 141.9 N/m instead of").wait_for()
     assert student.evaluate("punch.status.values.u_x_max") == 16
 
 
 def test_the_menu_opens_a_class_of_four_letters(visit):
     page = visit("?u_x_max=4&more=0")
-    finished(page)
     page.locator("#menu").click()
     page.locator("#class").click()
     page.wait_for_function("punch.lesson?.leads && /class=[A-Z]{4}/.test(location.search)")
@@ -86,13 +83,13 @@ def test_the_menu_opens_a_class_of_four_letters(visit):
 def test_a_teacher_who_loads_the_page_again_leads_the_class_on_from_its_stop(room):
     teacher, one, _ = room
     teacher.locator("#tour").click()
-    teacher.get_by_text("0 of 2 answered").wait_for(timeout=PATIENCE)
+    teacher.get_by_text("0 of 2 answered").wait_for()
     vote(one, "proportion")
     teacher.reload()
-    teacher.get_by_text("1 of 2 answered").wait_for(timeout=PATIENCE)
+    teacher.get_by_text("1 of 2 answered").wait_for()
     one.get_by_role("button", name="End tour").click()
     one.locator("#tour").click()  # back to the class's stop, where it has answered
-    one.get_by_text("Your answer counts.").wait_for(timeout=PATIENCE)
+    one.get_by_text("Your answer counts.").wait_for()
     teacher.get_by_role("button", name="Show the answers").focus()
     teacher.get_by_role("button", name="Show the answers").press("Enter")
     teacher.wait_for_function("document.activeElement.textContent === 'Run'")
@@ -110,4 +107,4 @@ def test_a_teacher_who_loads_the_page_again_leads_the_class_on_from_its_stop(roo
     ],
 )
 def test_a_wrong_code_or_question_is_named_with_its_value(visit, address, said):
-    visit(address).locator("[role=alert]").get_by_text(said).wait_for(timeout=PATIENCE)
+    visit(address, rests=False).locator("[role=alert]").get_by_text(said).wait_for()

@@ -5,7 +5,7 @@ import io
 import re
 
 import pytest
-from served import PARABOLA, PATIENCE, finished, from_menu, paused_at
+from served import PARABOLA, finished, from_menu, paused_at
 
 pytestmark = pytest.mark.thorough
 AXIS = "charts.forces.across"
@@ -13,7 +13,6 @@ AXIS = "charts.forces.across"
 
 def test_a_friction_loop_is_plotted_with_its_dissipated_energy(look):
     page = look("?preset=loop")
-    finished(page)
     stages = page.evaluate("[...new Set(punch.run.curves.stage.map((s) => punch.run.head.stages[s]))]")
     assert stages == ["approach", "shear", "back", "forth"]
     assert page.evaluate("[Math.min(...punch.run.curves.U_x), Math.max(...punch.run.curves.U_x)]") == [-20, 20]
@@ -30,7 +29,6 @@ def test_a_friction_loop_is_plotted_with_its_dissipated_energy(look):
 
 def test_unloading_is_plotted_over_indentation(look):
     page = look("?preset=unload")
-    finished(page)
     assert "δ" in page.evaluate(AXIS)
     dashes = "document.querySelectorAll('main .forces .key > :not([hidden]) > .dashed').length"
     assert page.evaluate(dashes) == 0  # both ways pass the same places: the load is a whole line, as in its key
@@ -44,7 +42,6 @@ def test_unloading_is_plotted_over_indentation(look):
 
 def test_a_run_through_points_is_plotted_over_path_length(look):
     page = look("?path=points&points=0,-1;0,0.2;4,0.2;6,-1&nodes=256&width=625")
-    finished(page)
     assert page.evaluate(AXIS) == "length of the path (nm)"
     assert page.evaluate("punch.run.head.stages") == ["approach", "2 shear", "3 move"]
     along = page.evaluate("[...punch.run.along]")
@@ -97,7 +94,6 @@ def forces_of(page, k):
 
 def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look):
     page = look()
-    finished(page)
     page.evaluate(WORDS)
     slips = page.evaluate("punch.run.curves.slip.flatMap((slip, k) => (slip && k >= punch.run.sheared ? [k] : []))")
     shown = forces_of(page, slips[1])  # where it rests, the page says its forces aloud
@@ -117,13 +113,10 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
 
 def test_an_uploaded_profile_is_used_once_its_unit_is_known_and_an_invalid_one_keeps_the_run(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
-    finished(page)
     from_menu(page, "#parameters")
     (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")
     page.set_input_files("#profile", tmp_path / "bad.csv")
-    page.wait_for_function(
-        "() => document.getElementById('profile-error').textContent.includes('line 3')", timeout=PATIENCE
-    )
+    page.wait_for_function("() => document.getElementById('profile-error').textContent.includes('line 3')")
     assert page.evaluate("punch.run.number - before") == 1
     (tmp_path / "wave.csv").write_text(PARABOLA)
     page.set_input_files("#profile", tmp_path / "wave.csv")

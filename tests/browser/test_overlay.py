@@ -4,7 +4,7 @@ import io
 
 import numpy as np
 import pytest
-from served import finished
+from tabs import imported
 
 from solver import Scene, simulate
 from solver.analysis.curve_files import read_measurement
@@ -46,31 +46,23 @@ def run():
 )
 def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(visit, run, kind, x, y, chart):
     page = visit(ADDRESS)
-    finished(page)
     frames = [frame for frame in run.frames if frame.stage == "shear"]
     if x == "F":
         frames = [frame for frame in frames if frame.U_x <= run.first_slip.U_s]
     text = made(frames, x, y, times=1.2)
     dropped(page, text)
-    points = page.evaluate(
-        f"""async () => {{
-            const script = document.querySelector('link[href$="/style.css"]').href
-            const {{ pointsOf }} = await import(new URL("./js/later/measured.js", script).href)
-            return pointsOf(punch.laid.curve, "{y}", punch.charted, punch.laid.set)
-        }}"""
+    points, found = imported(page, "later/measured").evaluate(
+        """(y) => {
+            const { laid: { curve, set }, charted } = punch, { pointsOf, laidOver } = modules["later/measured"]
+            return [pointsOf(curve, y, charted, set), laidOver(curve, charted).apart(set)]
+        }""",
+        y,
     )
     assert 20 < page.evaluate(f"charts.{chart}.parts.laid_{y}.x.length") <= 150
     measured = read_measurement(run.scene, io.StringIO(text))
     (segment,) = measured.segments
     assert np.allclose(points["x"], segment.x) and np.allclose(points["y"], segment.values[y])
     expected = measured.residuals(run)
-    found = page.evaluate(
-        """async () => {
-            const script = document.querySelector('link[href$="/style.css"]').href
-            const { laidOver } = await import(new URL("./js/later/measured.js", script).href)
-            return laidOver(punch.laid.curve, punch.charted).apart(punch.laid.set)
-        }"""
-    )
     assert found["rms"] == pytest.approx(expected.rms[y], rel=2e-3)
     assert found["noise"] == pytest.approx(expected.noise[y], rel=1e-6)
     assert abs(found["outside"] - expected.outside) <= 2  # a file is rounded, at either end of the run
@@ -79,7 +71,6 @@ def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(v
 
 def test_a_curve_longer_than_the_run_is_drawn_and_compared_where_the_run_is(visit):
     page = visit("?u_x_max=4")
-    finished(page)
     dropped(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{0.5 * k},{k}" for k in range(61)))
     page.locator("#laid-says").get_by_text("52 of 61 points lie beyond the run").wait_for()
     assert page.evaluate("charts.forces.parts.laid_F.y.length") > 20
@@ -87,7 +78,6 @@ def test_a_curve_longer_than_the_run_is_drawn_and_compared_where_the_run_is(visi
 
 def test_match_finds_scale_and_zero_and_the_number_follows_a_dragged_slider(visit, run):
     page = visit(ADDRESS)
-    finished(page)
     frames = [frame for frame in run.frames if frame.stage == "shear"]
     dropped(page, made(frames, "U_x", "F", times=0.5, plus=3.0))
     page.click("#laid summary")
@@ -110,7 +100,6 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
     frames = [frame for frame in unloading.frames if frame.stage in ("approach", "unload")]
     rows = [f"{250.0 - frame.delta:.6g},{frame.L:.6g}" for frame in frames]
     page = visit("?path=shear&u_x_max=4")
-    finished(page)
     dropped(page, "\n".join(["height (nm),load (N/m)", *rows]))
     assert "this run has no retraction" in page.inner_text("#laid-says")
     page.click("#laid-path")
@@ -121,7 +110,6 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
 def test_a_curve_that_no_zero_brings_over_the_run_is_not_drawn(visit):
     far = [f"{x},{-1e-9 * x}" for x in range(0, 2000, 4)]  # N over 2 um, falling as the surfaces approach
     page = visit("?path=unload&u_x_max=4")
-    finished(page)
     dropped(page, "\n".join(["height (nm),load (N)", *far, *reversed(far)]))
     page.locator("#laid-says").get_by_text("no zero and positive scale").wait_for()
     assert not page.evaluate("charts.forces.parts.laid_L.y.length")
@@ -129,7 +117,6 @@ def test_a_curve_that_no_zero_brings_over_the_run_is_not_drawn(visit):
 
 def test_a_file_without_its_speed_asks_for_it_and_an_empty_one_loses_nothing(visit):
     page = visit(ADDRESS)
-    finished(page)
     dropped(page, "time (s),F (N/m)\n" + "\n".join(f"{0.1 * k},{k % 30}" for k in range(100)))
     page.fill("#laid-asked", "1.5")
     page.click("#laid-ask button")
@@ -139,21 +126,8 @@ def test_a_file_without_its_speed_asks_for_it_and_an_empty_one_loses_nothing(vis
     assert page.evaluate("charts.forces.parts.laid_F.y.length") > 20
 
 
-def test_a_wrong_file_is_refused_in_words_and_loses_nothing(visit, run):
-    page = visit(ADDRESS)
-    finished(page)
-    frames = [frame for frame in run.frames if frame.stage == "shear"]
-    dropped(page, made(frames, "U_x", "F"))
-    before = page.evaluate("charts.forces.parts.laid_F.y.length")
-    dropped(page, "wavelength,colour\n1,2\n3,4\n", "colours.csv")
-    page.locator("#laid-why").get_by_text("colours.csv").wait_for()
-    assert page.evaluate("charts.forces.parts.laid_F.y.length") == before > 0
-    assert page.evaluate("punch.status.state") == "finished"
-
-
 def test_fit_from_here_opens_the_page_with_scene_and_curve(visit, run):
     page = visit(ADDRESS)
-    finished(page)
     dropped(page, made([frame for frame in run.frames if frame.stage == "shear"], "U_x", "F"))
     with page.context.expect_page() as opened:
         page.click("#laid-fit")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from served import PATIENCE, faults_at, finished, found_by_axe, laid_out
+from served import enter, faults_at, finished, found_by_axe, laid_out
 
 from app.pages import listed
 from solver import Scene, release_rates, simulate
@@ -26,7 +26,7 @@ def opened(request, shared_tab):
     """(name, tab): each page once, drawn, for all tests that look at it."""
     name = request.param
     page = shared_tab.show(f"?more=0&page={name}&{TINY if name == 'regimes' else QUICK}")
-    page.wait_for_function(f"() => {DRAWN[name]}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN[name]}")
     yield name, page
     shared_tab.check()
 
@@ -57,8 +57,7 @@ def test_every_page_fits_every_screen_size_without_clipped_captions(opened):
     _, page = opened
     assert not faults_at(page, SIZES)
     for size in (SIZES[0], SIZES[3]):
-        page.set_viewport_size({"width": size[0], "height": size[1]})
-        laid_out(page)
+        laid_out(page, size)
         cut = page.evaluate(
             """() => [...document.querySelectorAll('figcaption, header, nav')]
                 .filter((e) => e.clientWidth && getComputedStyle(e).overflow !== 'visible')
@@ -71,8 +70,7 @@ def test_every_page_fits_every_screen_size_without_clipped_captions(opened):
 @thorough
 def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_phone(opened):
     _, page = opened
-    page.set_viewport_size({"width": 1280, "height": 720})
-    laid_out(page)
+    laid_out(page, (1280, 720))
     assert not found_by_axe(page)
     page.set_viewport_size({"width": 390, "height": 844})
     page.locator("#theme").evaluate("(button) => button.click()")
@@ -85,14 +83,15 @@ def test_axe_reports_no_violation_on_any_page_on_a_desktop_or_in_the_dark_on_a_p
 @thorough
 def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_behind(visit):
     page = visit()
-    finished(page)
+    known = "['delta_bar', 'phi_ratio', 'E'].every((name) => punch.status.marks[name])"
+    page.wait_for_function(known)  # each mark beside a slider listens, whenever it comes
     tools = page.context.new_cdp_session(page)
     tools.send("Performance.enable")
     found = []
     for _ in range(4):
         for name in ("load", "law"):
             page.evaluate(f"document.querySelector('nav [data-page={name}]').click()")
-            page.wait_for_function(f"() => {DRAWN[name]} && !('drawing' in {name}.dataset)", timeout=PATIENCE)
+            page.wait_for_function(f"() => {DRAWN[name]} && !('drawing' in {name}.dataset)")
             assert page.locator(".sheet:visible").count() == 1
         page.evaluate("document.querySelector('#law .close').click()")
         page.wait_for_function("() => Bokeh.documents[0].roots()[0].data.opened.open === undefined")
@@ -104,24 +103,13 @@ def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_
     assert found[3][0] - found[1][0] < 200  # of 1,600 that the page has
 
 
-@thorough
-def test_page_named_in_the_address_is_open_from_the_start(visit):
-    page = visit("?page=law&delta_bar=0.1")
-    finished(page)
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
-    page.wait_for_function("() => document.getElementById('law-stick').textContent")
-    numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
-    assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
-
-
 def test_edges_on_the_toughness_are_those_of_the_solver(visit):
     """Within the rounding of the fields that a browser receives."""
     page = visit("?page=law&k=180")
-    finished(page)
     frame = simulate(Scene(u_x_max=8.0)).frames[180]
     for label, edge in zip(("trailing", "leading"), release_rates(frame), strict=True):
         part = f"charts.law_toughness?.parts.{label}"
-        page.wait_for_function(f"() => {part}?.x.length && punch.drawn === 180", timeout=PATIENCE)
+        page.wait_for_function(f"() => {part}?.x.length && punch.drawn === 180")
         shown = page.evaluate(f"() => [{part}.y[0], {part}.x[0]]")
         assert shown == pytest.approx([edge.J, np.degrees(edge.psi)], rel=5e-3)
 
@@ -130,7 +118,7 @@ def test_the_law_is_that_of_the_solver(look):
     """The browser draws it from the law that its states follow: maps, where sticking ends, and both curves."""
     scene = Scene(phi_ratio=0.3, law="xu-needleman")
     page = look("?page=law&phi_ratio=0.3&law=xu-needleman&u_x_max=4")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
     for name, sign, part in (("shear", -1.0, 0), ("normal", 1.0, 1)):
         shown = page.evaluate(
             """(name) => {
@@ -156,7 +144,7 @@ def test_the_law_is_that_of_the_solver(look):
 @thorough
 def test_nodes_lie_on_the_curve_of_the_interface_law_and_stick_before_its_peak(look):
     page = look("?page=law")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
     distance, stuck, slipping, peak = page.evaluate(
         """() => {
             const { law, stick, slip } = charts.law_shear_law.parts
@@ -201,7 +189,6 @@ def test_page_what_matters_marks_the_punch_while_it_is_open_and_a_bar_raises_its
 @thorough
 def test_close_button_and_back_close_a_page_and_change_no_parameter(visit):
     page = visit("?u_x_max=4&du_x=0.5")
-    finished(page)
     opened = "document.querySelector('.page').dataset.page"
     for leave in (page.go_back, lambda: page.locator("#law .close").click()):
         page.evaluate("document.querySelector('nav button[data-page=law]').click()")
@@ -211,8 +198,7 @@ def test_close_button_and_back_close_a_page_and_change_no_parameter(visit):
         leave()
         page.wait_for_function(f"{opened} === '' && !new URLSearchParams(location.search).has('page')")
     page.evaluate("document.querySelector('nav button[data-page=law]').click()")
-    page.fill("#E-entry", "90")
-    page.keyboard.press("Enter")
+    enter(page, "E", "90")
     page.wait_for_function("punch.status.values.E === 90 && location.search.includes('E=90')")
     page.go_back()
     page.wait_for_function(f"{opened} === ''")
@@ -233,40 +219,45 @@ def test_choosing_the_same_parameter_for_both_map_axes_swaps_them(look):
 
 
 @thorough
-def test_a_preset_replaces_every_parameter_and_says_what_to_look_for(look):
+def test_a_preset_replaces_every_parameter_says_what_to_look_for_and_is_marked_when_changed(look):
     page = look("?delta_bar=0.3&nu=0.3")
-    finished(page)
     page.select_option("#preset", "fig4a-red")
     finished(page, run=2)
     values = page.evaluate("punch.status.values")
     assert (values["surface"], values["E"], values["nu"], values["delta_bar"]) == ("flat", 140, 0.45, 0)
     assert "stiff" in page.inner_text("#look") and "preset=fig4a-red" in page.url and "nu=" not in page.url
-    page.get_by_role("button", name="Reset", exact=True).click()
+    assert page.locator("#preset optgroup").count() > 3
+    enter(page, "E", "100")
     finished(page, run=3)
+    assert "changed" in page.evaluate("document.getElementById('preset').selectedOptions[0].textContent")
+    assert "Stiffness" in page.inner_text("#look")
+    page.select_option("#preset", "fig4a-red")
+    finished(page, run=4)
+    assert page.evaluate("punch.status.values.E") == 140
+    page.get_by_role("button", name="Reset", exact=True).click()
+    finished(page, run=5)
     assert page.input_value("#preset") == "fig6" and "preset" not in page.url
 
 
 @thorough
 def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
     page, held = visit(""), []
-    finished(page)
     page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
     opened = "Bokeh.documents[0].roots()[0].data.opened.open"
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
-    page.wait_for_function(f"{opened} === 'regimes'", timeout=PATIENCE)
+    page.wait_for_function(f"{opened} === 'regimes'")
     page.locator("#regimes .close").click()
-    page.wait_for_function(f"{opened} === undefined", timeout=PATIENCE)
+    page.wait_for_function(f"{opened} === undefined")
     for route in held:
         route.continue_()
     page.evaluate("document.querySelector('nav [data-page=law]').click()")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)  # earlier messages are through, without errors
+    page.wait_for_function(f"() => {DRAWN['law']}")  # earlier messages are through, without errors
     assert held
 
 
 @thorough
 def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
     page = look()
-    finished(page)
     ordered = page.evaluate(
         """() => {
             const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Stage').data
@@ -279,8 +270,8 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
         }"""
     )
     assert "drawing" in ordered
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
-    page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
+    page.wait_for_function("() => !document.querySelector('.sheet:not([hidden])[data-drawing]')")
     assert page.evaluate("ordered") == ["law"]
     assert painted_pixels(page) > 8
 
@@ -288,7 +279,7 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
 @thorough
 def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     page = look("?page=law")
-    page.wait_for_function(f"() => {DRAWN['law']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['law']}")
     for name in ("shear", "normal"):
         high = float(page.inner_text(f"#law_{name}_map-high").strip("+ GPa"))
         assert high == pytest.approx(
@@ -297,7 +288,9 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
     assert "past the peak" in page.inner_text("#law")
     style = "getComputedStyle(document.querySelector('.key .{}')).backgroundColor"
     assert page.evaluate(style.format("stick")) != page.evaluate(style.format("repulsive"))
-    assert int(page.inner_text("#law-open")) == page.evaluate("charts.punch.parts.free.x.length")
+    numbers = [int(page.inner_text(f"#law-{state}")) for state in ("stick", "slip", "open")]
+    assert sum(numbers) == page.evaluate("punch.run.frame(punch.drawn).x.length")
+    assert numbers[-1] == page.evaluate("charts.punch.parts.free.x.length")
     right = page.evaluate("[...charts.law_shear_map.parts.map.values].filter((_, i) => i % 160 === 159)")
     assert min(right) > 0.0  # up to half a spacing ahead of a site the law pulls back
 
@@ -305,7 +298,7 @@ def test_maps_of_the_law_have_a_scale_and_a_legend_for_their_nodes(look):
 @thorough
 def test_a_drag_on_the_map_ends_where_the_button_is_let_go_also_outside_and_the_right_button_drags_nothing(look):
     page = look(f"?page=regimes&{TINY}")
-    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['regimes']}")
     page.wait_for_function("charts.regimes_map.box && charts.regimes_map.parts.map.picture")
     box = page.locator("#regimes .view").bounding_box()
     x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"]
@@ -331,7 +324,7 @@ def test_a_drag_on_the_map_ends_where_the_button_is_let_go_also_outside_and_the_
 @thorough
 def test_the_choices_of_the_map_are_those_of_what_is_shown_when_it_is_opened_again(look):
     page = look(f"?page=regimes&{TINY}")
-    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['regimes']}")
     page.select_option("#regimes-of", "A_s")
     page.select_option("#regimes-x", "E")
     page.wait_for_function("charts.regimes_map.across.startsWith('stiffness')")
@@ -346,7 +339,7 @@ def test_the_choices_of_the_map_are_those_of_what_is_shown_when_it_is_opened_aga
 def test_clicking_the_map_shows_the_scene_of_that_place(look):
     """The axes of the map are delta_bar and phi_ratio; what is pointed at is read out, and a click goes there."""
     page = look(f"?page=regimes&{TINY}")
-    page.wait_for_function(f"() => {DRAWN['regimes']}", timeout=PATIENCE)
+    page.wait_for_function(f"() => {DRAWN['regimes']}")
     before = page.evaluate("(({ delta_bar, phi_ratio }) => [delta_bar, phi_ratio])(punch.status.values)")
     frame = page.evaluate("(({ left, top, width, height }) => ({ left, top, width, height }))(charts.regimes_map.box)")
     box = page.locator("#regimes .view").bounding_box()
@@ -358,6 +351,6 @@ def test_clicking_the_map_shows_the_scene_of_that_place(look):
     assert [line.split(":")[0] for line in said[:2]] == ["press depth δ/δ₀", "friction / adhesion φₜ/φₙ"]
     page.mouse.click(x, y)
     changed = f"punch.status.values.delta_bar > {before[0]} && punch.status.values.phi_ratio !== {before[1]}"
-    page.wait_for_function(changed, timeout=PATIENCE)
+    page.wait_for_function(changed)
     finished(page, run=2)
     assert page.evaluate("punch.run.scene.delta_bar === punch.status.values.delta_bar && !punch.run.followed")

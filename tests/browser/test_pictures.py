@@ -4,7 +4,7 @@ import random
 
 import pytest
 from playwright.sync_api import TimeoutError as TookTooLong
-from served import PLAYING, finished
+from served import PLAYING
 from tabs import imported
 
 # Looks at the page before each picture of the screen, where everything is drawn: `pictures` counts, `wrong` lists
@@ -116,7 +116,6 @@ def show(page, dice):
 @pytest.mark.parametrize("most", [30, 2000])
 def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_marked(visit, most):
     page = visit("?more=1", **PLAYING)
-    finished(page)
     imported(page, "sentence", "tour").evaluate(WATCH)
     dice = random.Random(most)
     actions = [drag, drag, write, press, press, choose, tour]
@@ -136,7 +135,6 @@ WAITS = """() => {
 
 def test_the_sentence_of_a_picture_comes_to_rest_while_the_run_to_come_has_not_got_there(visit):
     page = visit("?more=1", **PLAYING)
-    finished(page)
     imported(page, "sentence")
     page.locator("#sentence", has_text="Sliding in jerks").wait_for()
     rests = page.evaluate(WAITS)

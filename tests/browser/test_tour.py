@@ -3,28 +3,18 @@
 from contextlib import suppress
 
 import pytest
-from served import FAULTS, PATIENCE, SETTLE, TookTooLong, from_menu, laid_out
-from tabs import imported
-
-
-def opened(page, stop):
-    """The tour at one of its stops, as `?tour=` opens it."""
-    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
-    return page
-
-
-def asked(page):
-    page.locator("#tour-card button.answer").first.wait_for(timeout=PATIENCE)
+from served import FAULTS, SETTLE, TookTooLong, from_menu, laid_out
+from tabs import asked, at_stop, imported
 
 
 @pytest.mark.thorough
 def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
-    page = visit("?tour=2&more=0")
+    page = visit("?tour=2&more=0", rests=False)
     asked(page)
     assert "tour=" not in page.url  # a link from here does not open the tour
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.get_by_role("button", name="Previous").wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Previous").wait_for()
     imported(page, "channel", "status").evaluate(
         """() => {  // from now on every run fails
             const { channel: { take }, status: { heard } } = modules
@@ -51,14 +41,13 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
             window.ordered = []
         }"""
     )
-    asked(opened(page, stop))
+    at_stop(page, stop)
     assert page.evaluate("ordered") == ["restore"]
 
 
 @pytest.mark.thorough
 def test_browser_back_ends_the_tour(visit):
     page = visit("?E=100&more=0")
-    page.wait_for_function("window.punch?.status.state === 'finished'")
     page.evaluate("history.pushState({ entry: 1 }, '', location.href)")
     page.locator("#tour").click()
     asked(page)
@@ -68,7 +57,7 @@ def test_browser_back_ends_the_tour(visit):
 
 @pytest.mark.thorough
 def test_tour_stop_without_load_shows_remaining_friction(look):
-    page = opened(look("?more=0"), 8)
+    page = at_stop(look("?more=0"), 8)
     page.locator("#tour-card .answer", has_text="about as large").wait_for()
     load = "(run) => run.curves.L[run.sheared]"
     assert abs(page.evaluate(f"({load})(punch.run)")) < 0.1  # N/m, of a friction of some 200
@@ -78,12 +67,11 @@ def test_tour_stop_without_load_shows_remaining_friction(look):
 
 @pytest.mark.thorough
 def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
-    page = opened(look("?more=0"), 9)
-    asked(page)
+    page = at_stop(look("?more=0"), 9)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     right = page.locator("button[data-mark=right]").inner_text()
     slip = page.evaluate(
         "punch.run.curves.slip_at[punch.run.curves.slip.findIndex((s, k) => s && k > punch.run.sheared)]"
@@ -94,13 +82,12 @@ def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
 
 @pytest.mark.thorough
 def test_the_tour_ends_with_friction_over_load_in_twelve_runs(look):
-    page = opened(look("?more=0"), 9)
-    asked(page)
+    page = at_stop(look("?more=0"), 9)
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.get_by_role("button", name="Your turn").click(timeout=PATIENCE)
+    page.get_by_role("button", name="Your turn").click()
     page.get_by_role("button", name="Friction over load").click()
-    page.locator("#load-law", has_text="At L = 0 adhesion alone holds with").wait_for(timeout=PATIENCE)
+    page.locator("#load-law", has_text="At L = 0 adhesion alone holds with").wait_for()
     assert page.locator("#tour-card").is_visible()
     page.get_by_role("button", name="Finish").click()
     page.locator("#tour-card").wait_for(state="hidden")
@@ -137,8 +124,7 @@ SIZES = ((1920, 1080), (1366, 768), (1280, 720), (1024, 768), (390, 844))
 def unseen_at(page, stop, phase, size):
     """What a stop leaves out of sight, cut or overlapping on a screen of this size, once the page is laid out."""
     of = STOPS[stop], phase, stop in SPRINGS
-    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    laid_out(page)
+    laid_out(page, size)
     with suppress(TookTooLong):
         page.wait_for_function(f"(of) => !({UNSEEN})(of).length", arg=of, timeout=SETTLE)
     return [*page.evaluate(UNSEEN, of), *page.evaluate(FAULTS)]
@@ -148,14 +134,12 @@ def unseen(page, stop, phase):
     """{size: what unseen_at finds}, where it finds anything; the page is as large as before in the end."""
     before = page.viewport_size
     found = {size: faults for size in SIZES if (faults := unseen_at(page, stop, phase, size))}
-    page.set_viewport_size(before)
-    laid_out(page)
+    laid_out(page, before.values())
     return found
 
 
 def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of_it_in_sight_at_every_size(look):
-    page = opened(look("?more=0"), 2)
-    asked(page)
+    page = at_stop(look("?more=0"), 2)
     assert "2 of 9: The edges" in page.locator("#tour-card").inner_text()
     page.wait_for_function("punch.drawn === punch.run.sheared && punch.status.preset === 'fig7-case2'")
     hidden, view = (page.locator(f".view[data-view=map]{what}").bounding_box() for what in (" .future", ""))
@@ -166,7 +150,7 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of
     assert not unseen(page, 2, "ask")
     page.evaluate("punch.speed = 40")
     page.locator("button.answer", has_text="leading edge").click()
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     assert page.locator("#tour-card [role=status]").inner_text().startswith("Not so.")
     assert "trailing edge" in page.locator("button[data-mark=right]").inner_text()
     assert page.evaluate("punch.run.curves.U_x[punch.drawn]") == pytest.approx(12.5, abs=0.11)  # not behind the slip
@@ -186,28 +170,25 @@ def test_a_tour_stop_hides_the_result_until_a_guess_then_explains_it_with_all_of
 @pytest.mark.parametrize("stop", STOPS)
 @pytest.mark.parametrize("query", ["?view=projector", "?more=0"])  # the first has More as well
 def test_a_stop_has_question_answers_reason_picture_and_contact_in_sight_at_every_size(look, query, stop):
-    page = opened(look(query), stop)
-    asked(page)
+    page = at_stop(look(query), stop)
     assert not unseen(page, stop, "ask")
     page.evaluate("punch.speed = 40")
     page.keyboard.press("2")
-    page.locator("#tour-card [role=status]").wait_for(timeout=PATIENCE)
+    page.locator("#tour-card [role=status]").wait_for()
     assert not unseen(page, stop, "why")
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("query", ["?more=0", "?view=projector"])
 def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_closes_it_only(look, query):
-    page = opened(look(query), 8)
-    asked(page)
+    page = at_stop(look(query), 8)
     page.evaluate("punch.speed = 40")
     page.keyboard.press("1")
-    page.get_by_role("button", name="Your turn").click(timeout=PATIENCE)
+    page.get_by_role("button", name="Your turn").click()
     from_menu(page, "nav [data-page=load]")
     page.wait_for_function("() => parseInt(document.getElementById('load-count').textContent) > 0")
     for width, height in SIZES:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         assert not page.evaluate(FAULTS), (width, height)
         punch, card, plot = (
             page.locator(what).bounding_box() for what in ("#punch-view", "#tour-card", "#load figure .view")
@@ -221,22 +202,14 @@ def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_c
     assert page.locator("#tour-card").is_visible()
 
 
-def test_theory_is_typeset_without_external_requests(look):
+def test_theory_is_typeset_without_external_requests_and_ends_with_the_glossary(look):
     page = look()
     from_menu(page, "#open-theory")
     page.locator("#theory math").first.wait_for()
     assert page.locator("#theory math").count() >= 11
     assert "Khajeh Salehani" in page.locator("#theory").inner_text()
-    page.keyboard.press("Escape")
-    page.locator("#theory").wait_for(state="hidden")
-
-
-@pytest.mark.thorough
-def test_theory_ends_with_the_glossary_and_texts_of_the_page_have_no_buttons(look):
-    page = look()
-    from_menu(page, "#open-theory")
-    page.locator("#theory .glossary").wait_for()
     listed = page.locator("#theory .glossary [id^=term-]").evaluate_all("all => all.map((one) => one.id.slice(5))")
     assert set(listed) >= {"traction", "gap", "work", "branch", "fold", "flutter", "peel"}
     page.keyboard.press("Escape")
+    page.locator("#theory").wait_for(state="hidden")
     assert not page.locator("#sentence button, #look button, .key button").count()

@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from served import PATIENCE, Server, finished, patient
+from served import Server, finished, patient
 
 pytestmark = pytest.mark.thorough
 GREY = "document.querySelector('.page').dataset.stale === 'true'"
@@ -30,7 +30,6 @@ def enter(page, E):
 
 def test_previous_run_is_grey_until_the_new_one_is_complete(look):
     page = look("?E=20&delta_bar=0.3")
-    finished(page)
     assert not page.evaluate(GREY)
     page.evaluate(DRAWN)
     enter(page, 21.5)
@@ -93,9 +92,7 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
     page.wait_for_function("Math.abs(punch.run.curves.U_x[punch.drawn] - 20.0) < 1e-4")  # drawn with the next frame
     told = time.monotonic()
     mortal.process.kill()
-    page.get_by_role("alert").filter(has_text="what you change takes effect when the server answers").wait_for(
-        timeout=PATIENCE
-    )
+    page.get_by_role("alert").filter(has_text="what you change takes effect when the server answers").wait_for()
     print(f"told {time.monotonic() - told:.1f} s after the server was killed")
     page.locator("body").press("ArrowRight")  # scrubbing goes on
     page.wait_for_function("Math.abs(punch.run.curves.U_x[punch.drawn] - 20.1) < 1e-4")  # drawn with the next frame
@@ -114,12 +111,12 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
     before = page.evaluate("watched")
     page.on("request", lambda request: attempts.append(request.method))
     while attempts.count("HEAD") < 4:  # it goes on trying, as long as it takes
-        page.wait_for_event("request", timeout=PATIENCE)
+        page.wait_for_event("request")
     begun = time.monotonic()
     again = Server(port=mortal.port)
     again.wait_for("Bokeh app running")
     up = time.monotonic()
-    page.wait_for_function("window.punch?.status.values?.E === 310", timeout=PATIENCE)
+    page.wait_for_function("window.punch?.status.values?.E === 310")
     finished(page)
     print(f"back {time.monotonic() - begun:.1f} s after the restart, {time.monotonic() - up:.1f} s after it serves")
     assert page.evaluate("punch.status.values.delta_bar") == 0.2
@@ -140,9 +137,10 @@ def test_page_reports_a_lost_server_and_recovers_when_it_restarts(server, browse
 def test_a_long_run_shows_its_remaining_time_and_can_be_skipped(visit):
     # a rough soft layer, there and back over hundreds of sites: far longer than it takes until Skip is offered
     page = visit(
-        "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200"
+        "?preset=rough&E=10&phi_ratio=2&nodes=2048&width=5000&path=loop&du_x=1&delta_bar=-0.1&du_z=1&u_x_max=200",
+        rests=False,
     )
-    page.get_by_role("button", name="Skip").wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Skip").wait_for()
     said = page.locator("#status")
     page.wait_for_function(
         """() => /^\\d+ of \\d+ increments · (solving a (slip|jump) near .* for \\d+ s|about \\d+ s left)/.test(

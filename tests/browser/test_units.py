@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import finished
+from served import enter, finished
 
 pytestmark = pytest.mark.thorough
 
@@ -19,11 +19,9 @@ def axis(page):
 
 def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(look):
     page = look("?E=20&du_x=0.5")
-    finished(page)
     soft = max(drawn(page, "F"))
     assert soft == pytest.approx(20 * 2500 * max(page.evaluate("punch.run.curves.F_bar")), rel=1e-6)
-    page.fill("#E-entry", "700")
-    page.keyboard.press("Enter")
+    enter(page, "E", "700")
     finished(page, run=2)
     assert max(drawn(page, "ghost_F")) == pytest.approx(soft, rel=1e-6)
     assert max(drawn(page, "F")) > 2 * soft  # over wE it would fall to less than a tenth
@@ -32,7 +30,6 @@ def test_a_stiffer_layer_has_larger_forces_and_the_previous_run_keeps_its_own(lo
 
 def test_an_older_link_to_normalised_forces_opens_with_forces_in_newtons_per_metre(visit):
     page = visit("?force=bar&u_x_max=4&du_x=0.5")
-    finished(page)
     assert axis(page) == "F, L (N/m)" and not page.inner_text("#notes")
     assert re.search(r"F = \S+ N/m, L = \S+ N/m, A = \S+ nm \(Ā = ", page.inner_text("#readout"))
 

@@ -4,28 +4,8 @@ import re
 
 import pytest
 from served import finished, paused_at
-from tabs import imported
 
 pytestmark = pytest.mark.thorough
-
-
-def test_contact_map_colours_change_at_zero_for_any_limits(look):
-    page = look("?E=3000&delta_bar=1&theme=light")  # repels 80 times as strongly as it attracts
-    page.wait_for_function("() => charts.map.parts.map.limits?.[1] > 30")
-    low, high, palette = imported(page, "colours").evaluate(
-        "(({ low, high, palette }) => [low, high, palette])(modules.colours.shades(...charts.map.parts.map.limits))"
-    )
-    step = (high - low) / len(palette)
-    assert -0.9 < low < -0.7 and step < 0.1
-    zero = -low / step
-    assert zero == pytest.approx(round(zero), abs=1e-6)
-    style = page.evaluate(
-        "['pull', 'push'].map((name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}-0`))"
-    )
-    # half a step from zero: the palest of its own ramp, which has some 30 steps on the side of attraction
-    for shade, palest, tolerance in zip(palette[round(zero) - 1 : round(zero) + 1], style, (8, 1), strict=True):
-        apart = [int(shade[i : i + 2], 16) - int(palest.strip()[i : i + 2], 16) for i in (1, 3, 5)]
-        assert max(map(abs, apart)) <= tolerance
 
 
 def test_a_deeply_pressed_punch_stays_in_a_fixed_view(look):
@@ -52,15 +32,15 @@ def test_weakly_attracted_nodes_are_free_but_not_those_at_a_sign_change(look):
     assert "5 %" in page.get_attribute("figure .key span[title]", "title")
 
 
-def test_a_flat_fills_the_view_and_hides_contact_area_and_map(look):
+def test_a_flat_fills_the_view_and_hides_lens_contact_area_and_map(look):
     page = look("?preset=fig4a-blue")
-    finished(page)
     half = page.evaluate("charts.punch.x.end")
     for frame in (150, 400):
         paused_at(page, frame)
         x = page.evaluate("[...charts.punch.parts.contact.x]")
         assert min(x) <= -half and max(x) >= half
     assert page.evaluate("charts.punch.parts.contact.x.length") == len(x)
+    assert page.locator("#lens").is_hidden()
     page.set_viewport_size({"width": 1600, "height": 1100})  # there is room for the key
     page.locator("figure >> nth=0").get_by_text("in contact").wait_for()
     assert "in contact" in page.inner_text("figure >> nth=0") and "adhering" not in page.inner_text("figure >> nth=0")
@@ -88,7 +68,6 @@ def test_exaggeration_factors_and_zeros_are_plain_numbers(look):
 
 def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
     page = look("?preset=unload")
-    finished(page)
     jumps = page.evaluate("[...charts.forces.parts.slips.y]")
     assert jumps and max(jumps) < -0.05  # 10^-3, tensile; the friction is zero
     assert "jump" in page.inner_text("figure[aria-label^='Friction']")
@@ -100,7 +79,6 @@ def test_jumps_are_marked_on_the_load_curve_during_unloading(look):
 
 def test_contact_map_of_a_loop_shows_slips_of_the_current_leg_only(look):
     page = look("?preset=loop")
-    finished(page)
     slips = "charts.map.parts.slips.x.length"
     for stage in ("shear", "back", "forth"):
         paused_at(page, page.evaluate(f"punch.run.curves.stage.lastIndexOf(punch.run.head.stages.indexOf('{stage}'))"))

@@ -4,19 +4,9 @@ import http.server
 import threading
 
 import pytest
-from served import PATIENCE, Server, finished, from_menu, patient
+from served import Server, finished, from_menu, patient
 
 pytestmark = pytest.mark.thorough
-
-
-def test_enter_in_an_entry_changes_the_scene_without_a_reload(look):
-    page = look()
-    finished(page)
-    page.evaluate("window.same = true")
-    page.locator("#E-entry").fill("80")
-    page.locator("#E-entry").press("Enter")
-    finished(page, run=2)
-    assert page.evaluate("window.same && punch.status.values.E") == 80
 
 
 def test_a_full_class_admits_a_waiting_visitor_when_another_leaves(browser, monkeypatch):
@@ -37,14 +27,22 @@ def test_a_full_class_admits_a_waiting_visitor_when_another_leaves(browser, monk
         full.stop()
 
 
+@pytest.fixture
+def page(browser):
+    """A tab that has seen nothing of the app."""
+    opened = patient(browser.new_page())
+    yield opened
+    opened.close()
+
+
 FORBIDDEN = """for (const name of ["localStorage", "sessionStorage"]) {
     Object.defineProperty(window, name, { get() { throw new DOMException("forbidden", "SecurityError") } })
 }"""
 
 
 @pytest.mark.parametrize("allowed", ["allow-scripts", "allow-scripts allow-same-origin"])
-def test_a_sandboxed_frame_without_an_origin_says_what_to_do(server, browser, allowed):
-    page, outer = patient(browser.new_page()), f"{server.origin}/outer"
+def test_a_sandboxed_frame_without_an_origin_says_what_to_do(server, page, allowed):
+    outer = f"{server.origin}/outer"
     body = f'<iframe src="{server.address}?embed=1" sandbox="{allowed}" width="960" height="600"></iframe>'
     page.route(outer, lambda route: route.fulfill(body=body, content_type="text/html"))
     page.goto(outer)
@@ -55,11 +53,9 @@ def test_a_sandboxed_frame_without_an_origin_says_what_to_do(server, browser, al
     else:
         frame.get_by_text("Add allow-same-origin to the sandbox attribute of the frame.").wait_for()
         assert frame.locator("#retry").is_hidden()
-    page.close()
 
 
-def test_page_works_in_a_browser_that_forbids_storage(server, browser):
-    page = patient(browser.new_page())
+def test_page_works_in_a_browser_that_forbids_storage(server, page):
     problems = []
     page.on("pageerror", lambda error: problems.append(str(error)))
     page.add_init_script(FORBIDDEN)
@@ -69,11 +65,9 @@ def test_page_works_in_a_browser_that_forbids_storage(server, browser):
     page.keyboard.press("l")
     page.wait_for_function("'more' in document.documentElement.dataset")
     assert not problems
-    page.close()
 
 
-def test_page_explains_a_refused_websocket_and_shows_the_servers_reason(server, browser):
-    page = patient(browser.new_page())
+def test_page_explains_a_refused_websocket_and_shows_the_servers_reason(server, page):
     page.clock.install()
     page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
     page.goto(server.address)
@@ -84,39 +78,32 @@ def test_page_explains_a_refused_websocket_and_shows_the_servers_reason(server, 
     page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
     page.get_by_role("button", name="Try now").click()
     page.get_by_text("The class is full").wait_for()
-    page.close()
 
 
-def test_page_names_a_script_that_failed_before_the_connection(server, browser):
-    page = patient(browser.new_page())
+def test_page_names_a_script_that_failed_before_the_connection(server, page):
     page.clock.install()
     page.route("**/js/main.js*", lambda route: route.abort())
     with page.expect_event("requestfailed"):
         page.goto(server.address)
     page.clock.run_for(11_000)
     page.get_by_role("alert").filter(has_text="a script of the page failed").wait_for()
-    page.close()
 
 
-def test_a_script_on_demand_that_does_not_arrive_is_reported_with_a_remedy(server, browser):
-    page = patient(browser.new_page())
+def test_a_script_on_demand_that_does_not_arrive_is_reported_with_a_remedy(server, page):
     page.route("**/tour.js*", lambda route: route.abort())
     page.goto(server.address)
     finished(page)
     from_menu(page, "#tour")
     page.get_by_text("A part of the page did not arrive. Check the connection, then reload the page.").wait_for()
-    page.close()
 
 
-def test_a_page_refused_after_loading_is_replaced_by_the_reason(server, browser):
-    page = patient(browser.new_page())
+def test_a_page_refused_after_loading_is_replaced_by_the_reason(server, page):
     page.clock.install()
     page.route_web_socket("**/ws*", lambda socket: socket.close(code=1013))
     page.goto(server.address)
     page.route(server.address, lambda route: route.fulfill(status=503, body="The class is full"))
     page.clock.run_for(11_000)
     page.get_by_text("The class is full").wait_for()
-    page.close()
 
 
 @pytest.fixture
@@ -139,25 +126,21 @@ def elsewhere(server):
     site.shutdown()
 
 
-def test_other_sites_cannot_frame_the_app(browser, elsewhere):
-    page = patient(browser.new_page())
+def test_other_sites_cannot_frame_the_app(page, elsewhere):
     said = []
     page.on("console", lambda message: said.append(message.text))
-    with page.expect_event("console", lambda message: "frame-ancestors" in message.text, timeout=PATIENCE):
+    with page.expect_event("console", lambda message: "frame-ancestors" in message.text):
         page.goto(f"{elsewhere}?embed=1")
-    page.close()
 
 
-def test_a_configured_site_can_frame_the_embedded_page(browser, elsewhere, monkeypatch, server):
+def test_a_configured_site_can_frame_the_embedded_page(page, elsewhere, monkeypatch, server):
     monkeypatch.setenv("APP_FRAME_ANCESTORS", elsewhere.rstrip("/"))
     other = Server()
     other.wait_for("workers are warm")
     try:
-        page = patient(browser.new_page())
         page.goto(f"{elsewhere}?embed=1")
         page.evaluate("address => { document.querySelector('iframe').src = address }", f"{other.address}?embed=1")
         frame = page.frame_locator("iframe")
-        frame.locator(".punch canvas").first.wait_for(state="attached", timeout=PATIENCE)
-        page.close()
+        frame.locator(".punch canvas").first.wait_for(state="attached")
     finally:
         other.stop()

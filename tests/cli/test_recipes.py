@@ -54,8 +54,9 @@ def test_the_recipe_of_a_page_makes_a_page_of_the_menu(copy):
     (page,) = recipe("A page")
     (copy / "app" / "pages" / "blank").mkdir()
     (copy / "app" / "pages" / "blank" / "page.py").write_text(page, encoding="utf-8")
-    code = "from app.pages import listed, section; page = listed()['blank']; print(page.TITLE)"
-    assert ran(copy, f"{code}; section('blank'); page.Page") == "Blank"
+    code = "from app.pages import listed, section; page = listed()['blank']; page.Page; print(page.TITLE)"
+    title, macro = ran(copy, f"{code}; print(section('blank'))").split("\n", 1)
+    assert title == "Blank" and 'sheet("blank")' in macro  # of page.html
 
 
 def test_the_recipe_of_a_law_makes_a_law(copy):

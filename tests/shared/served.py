@@ -78,12 +78,7 @@ class Server:
                 probe.bind(("127.0.0.1", 0))
                 self.port = probe.getsockname()[1]
         command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
-        quick = [
-            "--unused-session-lifetime",
-            "1000",
-            "--check-unused-sessions",
-            "500",
-        ]  # ms, closed tabs
+        quick = ["--unused-session-lifetime", "1000", "--check-unused-sessions", "500"]  # ms, closed tabs
         self.process = subprocess.Popen(
             [*command, *quick, "--prefix", prefix],
             cwd=ROOT,
@@ -137,6 +132,12 @@ def from_menu(page, button):
     page.locator(button).click()
 
 
+def enter(page, name, text):
+    """Write into the entry of a parameter, and press Enter."""
+    page.fill(f"#{name}-entry", text)
+    page.keyboard.press("Enter")
+
+
 def paused_at(page, frame):
     """Stop, and show an increment; in one go, as a picture in between would set the slider back."""
     page.locator("#scrub").evaluate(f"(scrub) => {{ scrub.value = {frame}; scrub.dispatchEvent(new Event('input')) }}")
@@ -150,11 +151,13 @@ def values_are(page, **values):
     finished(page)
 
 
-def laid_out(page):
-    """After the next picture of the screen.
+def laid_out(page, size=None):
+    """After the next picture of the screen, or of one of that size: (width, height).
 
     What lies over something only until the next picture of a busy machine is no fault.
     """
+    if size:
+        page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
     page.evaluate("() => new Promise((then) => requestAnimationFrame(() => requestAnimationFrame(then)))")
     page.wait_for_function(  # the lens moves with the next drawing of the punch
         """() => {
@@ -170,8 +173,7 @@ def faults_at(page, sizes):
     """{size: faults of the layout}, where there are any."""
     found = {}
     for width, height in sizes:
-        page.set_viewport_size({"width": width, "height": height})
-        laid_out(page)
+        laid_out(page, (width, height))
         if faults := page.evaluate(FAULTS):
             found[f"{width} x {height}"] = faults
     return found

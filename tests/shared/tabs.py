@@ -117,6 +117,18 @@ def imported(page, *names):
     return page
 
 
+def at_stop(page, stop):
+    """The page at a stop of the tour, as `?tour=` opens it, once it asks."""
+    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
+    asked(page)
+    return page
+
+
+def asked(page):
+    """When a stop of the tour asks."""
+    page.locator("#tour-card button.answer").first.wait_for()
+
+
 class SharedTab:
     """One tab for many tests, as loading the page costs more than most of them: `show` brings it to any address."""
 
@@ -156,8 +168,7 @@ class SharedTab:
         try:
             self.tabs.check()
         finally:
-            self.tabs.problems.clear()
-            self.tabs.asked.clear()
+            self.tabs.problems, self.tabs.asked = [], []  # the old ones are what the failure reports
 
     def close(self):
         if self.page:

@@ -64,6 +64,10 @@ class Page:
         while not condition():
             self.run_next()
 
+    def run_all(self):
+        """Run what is scheduled by now, and what that schedules."""
+        self.run_scheduled(self.calls.empty)
+
     def run_next(self):
         """Run what is scheduled next, once it is."""
         ended(self.calls.get(timeout=PATIENCE)())

@@ -1,7 +1,6 @@
-"""Cautions about questionable parameters, and the accuracy measurement in the app."""
+"""Cautions about questionable parameters."""
 
 import pytest
-from visitor import Page
 
 from solver import Scene, simulate, whole_surface
 from solver.cautions import cautions
@@ -61,18 +60,3 @@ def test_cautions_start_at_their_limits_and_accumulate():
 
 def test_a_flat_gives_no_caution_about_neighbours_or_slopes():
     assert cautions(Scene(surface="flat", radius=1.0), 1.0) == []
-
-
-@pytest.mark.slow
-def test_cautions_are_published_after_new_and_known_runs(pool):
-    page = Page(pool, Scene(nodes=4096, u_x_max=1.0, E=1000.0))
-    page.order("hello")
-    assert page.status()["cautions"] == []
-    page.until("finished")
-    assert "smoothed away" in page.status()["cautions"][0]
-    other = Page(pool, page.session.scene, jobs=page.session.jobs)
-    other.order("hello")
-    assert other.status()["cautions"] == page.status()["cautions"]
-    assert page.session.run.packed.widest == other.session.run.packed.widest > 0.0
-    page.session.close()
-    other.session.close()
