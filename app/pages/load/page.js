@@ -7,7 +7,7 @@ import { extent } from "../../static/js/curves.js"
 import { digits, named, withUnit } from "../../static/js/quantities.js"
 import { download } from "../../static/js/share.js"
 import { addSwept, clear, collect, points } from "../../static/js/slips.js"
-import { declared, me, repaint } from "../../static/js/store.js"
+import { declared, me, redrawPunch } from "../../static/js/store.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.12 // of an axis, beyond the points
@@ -35,7 +35,7 @@ export function connect() {
     cleared = sweep
     ask({ what: "clear" })
     draw()
-    repaint()
+    redrawPunch()
   })
 }
 

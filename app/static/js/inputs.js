@@ -2,12 +2,10 @@
 
 import { namesScene } from "./address.js"
 import { sendFile } from "./channel.js"
-import { charts } from "./charts.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
-import { connectChart } from "./pointing.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
@@ -175,6 +173,5 @@ export function connect() {
   on("theme", "click", switchTheme)
   connectViews()
   document.addEventListener("keydown", onKey)
-  for (const name in charts) connectChart(name)
   connectHand()
 }

@@ -2,15 +2,13 @@
 
 import * as address from "./address.js"
 import * as channel from "./channel.js"
-import { charts, makeCharts, shareAxis } from "./charts.js"
-import { readAgain } from "./colours.js"
+import { change, charts, makeCharts } from "./charts.js"
 import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
 import { by, takeFromTab } from "./dom.js"
 import * as draw from "./draw.js"
 import { connectFringes } from "./fringes.js"
 import * as inputs from "./inputs.js"
-import { connectInside } from "./inside.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
 import { unpackLater } from "./packed.js"
@@ -32,11 +30,7 @@ export function start() {
   inputs.connect()
   connectLens()
   connectFringes()
-  connectInside()
-  view(["look"], () => {
-    readAgain()
-    shareAxis()
-  })
+  view(["look"], change)
   view(["pointed"], () => {
     for (const name in charts) charts[name].point(me.pointed?.name === name ? me.pointed : null)
   })

@@ -1,7 +1,6 @@
 // The punch, its nodes and the tractions of a frame, and the ranges that hold all frames of a run.
 
-import { charts, CURVES, shareAxis } from "./charts.js"
-import { readAgain } from "./colours.js"
+import { change, charts, CURVES } from "./charts.js"
 import { settled } from "./curves.js"
 import { by } from "./dom.js"
 import { fixed } from "./quantities.js"
@@ -82,10 +81,7 @@ export function fitFrames(run) {
   const { map, punch } = charts, { flat } = run.head, half = run.apart ? map.y.end : reach(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
-  if (others) {
-    readAgain() // other views are in sight
-    shareAxis()
-  }
+  if (others) change() // other views are in sight
   const spare = flat || others ? 0 : TAIL
   const wide = settled(punch.x.end, seen(run, half), spare), tall = settled(map.y.end, half, spare)
   map.range("y", { start: -tall, end: tall })

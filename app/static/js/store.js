@@ -30,9 +30,6 @@ const fields = {
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 
-// Paint what has been filled into charts, soon
-export const repaint = () => schedule()
-
 const views = [], frames = [] // {draw, due}
 const watchers = Object.fromEntries(Object.keys(fields).map((name) => [name, []])) // {field: those that watch it}
 
