@@ -6,6 +6,7 @@ import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
+import { connectDrawer } from "./sliders.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
@@ -105,6 +106,25 @@ function connectDrop() {
   })
 }
 
+let theory = null // a promise of the text of the dialog *Theory*: the model and the glossary, once it was opened
+async function openTheory() {
+  by("theory").showModal()
+  try {
+    theory ??= Promise.all(["theory.html", "glossary.html"].map(fileBeside))
+    by("theory-text").innerHTML = (await theory).join("")
+  } catch {
+    theory = null
+    by("theory-text").replaceChildren("The page could not be loaded; close it and try again.")
+  }
+}
+
+// The text of a file beside the scripts
+async function fileBeside(name) {
+  const answer = await fetch(new URL(`../${name}`, import.meta.url))
+  if (!answer.ok) throw new Error(`${name}: ${answer.status}`)
+  return answer.text()
+}
+
 const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
 
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
@@ -135,7 +155,7 @@ export function connect() {
   on("row", "change", ({ target }) => choosePreset(target.value))
   sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`),
     async (content) => (await fetched(() => import("./later/trace.js")))?.read(content))
-  on("parameters", "click", async () => (await fetched(() => import("./drawer.js")))?.openDrawer())
+  connectDrawer()
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
@@ -163,7 +183,7 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())
-  on("open-theory", "click", async () => (await fetched(() => import("./later/model.js")))?.openTheory())
+  on("open-theory", "click", openTheory)
   on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {
