@@ -92,8 +92,6 @@ export function connectDrawer() {
   on("parameters", "click", openDrawer)
   on("find", "input", fillDrawer)
   on("drawer", "close", () => by("menu").focus())
-  for (const button of document.querySelectorAll("[data-slider]"))
-    button.addEventListener("click", () => by(`${button.dataset.slider}-entry`).focus())
   for (const button of document.querySelectorAll(".restore")) {
     button.addEventListener("click", () => {
       const entry = by(`${button.dataset.name}-entry`)
