@@ -9,7 +9,7 @@ import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { connectDrawer } from "./sliders.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
-import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
+import { chooseNext, connectViews, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
@@ -70,9 +70,9 @@ function switchTheme() {
 const KEYS = {
   " ": toggle, ArrowRight: move, ArrowLeft: (jump) => move(-jump),
   Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
-  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext, m: slowMotion, f: fillScreen,
+  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext, m: slowMotion,
 }
-const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
+const PLAIN = " rpmlc" // which a slider or a box leaves to the page
 
 function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)

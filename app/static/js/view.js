@@ -75,8 +75,3 @@ export function chooseNext() {
   const { chosen } = document.querySelector("main").dataset
   choose(CURVES[(CURVES.indexOf(chosen) + 1) % CURVES.length])
 }
-
-export function fillScreen() {
-  if (document.fullscreenElement) document.exitFullscreen()
-  else document.documentElement.requestFullscreen?.().catch(() => {}) // a browser may refuse: nothing is lost
-}
