@@ -12,7 +12,7 @@ import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { exact, frame, me, redraw, set, view } from "./store.js"
 import { ownStop, slipValue, STOPS } from "./tour/stops.js"
-import { choose, lettersAreKeys } from "./view.js"
+import { choose } from "./view.js"
 import { inWords } from "./words.js"
 
 const { dataset } = document.documentElement
@@ -96,7 +96,6 @@ function left() {
 function makeCard() {
   const made = make("section", { id: "tour-card", "aria-label": "Tour" })
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  document.addEventListener("keydown", onDigit)
   document.querySelector(".views").append(made)
   view(["status", "run", "lost", "stale", "drawn"], watch)
   frame(["drawn", "run", "look"], hideFuture)
@@ -307,15 +306,6 @@ function answerButton(i) {
     made.style.setProperty("--part", counts[i] / Math.max(1, answered))
   }
   return made
-}
-
-// 1 to 3 choose an answer
-function onDigit(event) {
-  const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = here().order[place]
-  if (place < 0 || !lettersAreKeys() || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
-    || event.target.matches?.("input[type=text]")) return
-  event.preventDefault()
-  answer(i)
 }
 
 // Sliders and player are the visitor's, who begins at that of the stop

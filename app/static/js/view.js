@@ -22,7 +22,7 @@ export function seeMore() {
   settle()
 }
 
-// Whether single letters, digits and signs do something. Those who dictate may switch them off, for good
+// Whether single letters and signs do something. Those who dictate may switch them off, for good
 export const lettersAreKeys = () => by("letters").checked
 
 const projected = () => dataset.view === "projector"
