@@ -184,7 +184,7 @@ export function connect() {
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())
   on("open-theory", "click", openTheory)
-  on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
+  on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {
     on(menu, "change", () => { chosen = menu })
