@@ -24,7 +24,7 @@ def test_contact_map_colours_change_at_zero_for_any_limits(look):
     )
     # half a step from zero: the palest of its own ramp, which has some 30 steps on the side of attraction
     for shade, palest, tolerance in zip(palette[round(zero) - 1 : round(zero) + 1], style, (8, 1), strict=True):
-        apart = [int(shade[i : i + 2], 16) - int(palest.strip()[i : i + 2], 16) for i in (1, 3, 5)]
+        apart = [(shade >> 8 * i & 255) - int(palest.strip()[2 * i + 1 : 2 * i + 3], 16) for i in range(3)]
         assert max(map(abs, apart)) <= tolerance
 
 

@@ -4,7 +4,7 @@ import { MARKERS } from "./chart.js"
 import { charts } from "./charts.js"
 import { by, closest, on, onDrag, tell } from "./dom.js"
 import { cleared, inks, line, write } from "./pen.js"
-import { sideways } from "./punch.js"
+import { BAR, sideways } from "./punch.js"
 import { digits, fixed } from "./quantities.js"
 import { me, redrawPunch, sees } from "./store.js"
 
@@ -156,7 +156,7 @@ export function drawLattice(view) {
   const stretch = run.top(k) - run.least(k)
   for (const at of frame.x) {
     if (at < from - 3 * spacing || at > to + 3 * spacing) continue
-    line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + 9]], ink.body, 2)
+    line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + BAR]], ink.body, 2)
   }
   drawAtoms(view, X, (y) => low - y * scale, scale, from, to)
   const text = `${narrow ? "layer" : "the elastic layer,"} sheared by ${fixed(stretch, 1)} nm`

@@ -6,6 +6,7 @@ import { by } from "./dom.js"
 import { fixed } from "./quantities.js"
 import { declared, me } from "./store.js"
 
+export const BAR = 9 // px, height of the top of the layer
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
 const TAIL = 0.2 // of what acts may lie out of sight, where attraction is weak, before the axis grows
 const LARGER = 3 // times, at most, that a displacement sideways is drawn

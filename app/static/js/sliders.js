@@ -2,7 +2,7 @@
 
 import { by, closest, make, makeButton, on, say } from "./dom.js"
 import { digits, minus } from "./quantities.js"
-import { declared, me, view } from "./store.js"
+import { declared, me, memory, view } from "./store.js"
 
 // A slider at the position nearest to a value
 export function place(name, value) {
@@ -44,12 +44,10 @@ function describe(name, value, error, before) {
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark, so that it stays on the slider
 
-let drawn = "" // the marks on screen, as JSON
+const drawn = memory()
 
 export function drawMarks(marks) {
-  const text = JSON.stringify(marks ?? {})
-  if (text === drawn) return
-  drawn = text
+  if (!drawn(JSON.stringify(marks))) return
   for (const name in declared.positions) draw(name, marks[name] ?? [], declared.positions[name])
 }
 

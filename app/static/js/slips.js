@@ -12,7 +12,7 @@ let read = null // the run read last
 export const connectSlips = () => view(["run", "status"], () => { if (me.run) collect(me.run) })
 
 // Take in the first slip of a run, unless its scene has a point
-export function collect(run) {
+function collect(run) {
   if (run === read || !run.whole || !exact(run)) return
   read = run
   const slip = firstOfPath(run), { scene, abscissa } = run.head
