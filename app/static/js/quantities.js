@@ -34,3 +34,7 @@ export const withUnit = (name, value) => followed(number(name, value), quantityO
 export const named = (name, value) => `${quantityOf(name).symbol} = ${withUnit(name, value)}`
 // As one says it: "195 newtons per metre"
 export const spoken = (name, value) => `${number(name, value)} ${SPOKEN[quantityOf(name).unit]}`
+
+// Names of the parameters in which scenes differ, of those that both have; a number may be written as a text
+export const differing = (a, b) => Object.keys(a).filter((name) => (
+  name in b && String(a[name]) !== String(b[name]) && Number(a[name]) !== Number(b[name])))

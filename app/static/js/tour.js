@@ -7,7 +7,7 @@ import { by, make, makeButton, readdress, tell } from "./dom.js"
 import { drawSprings } from "./lens.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
-import { fixed, minus } from "./quantities.js"
+import { differing, fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { exact, frame, me, redraw, set, view } from "./store.js"
@@ -103,8 +103,6 @@ function makeCard() {
   return made
 }
 
-const figureOf = (name) => document.querySelector(`.view[data-view="${name}"]`)
-
 // A scene is asked for, and its future hidden until the prediction is made
 function begin() {
   const stop = here()
@@ -122,12 +120,10 @@ const pick = (count) => Math.floor((me.lesson ? parseInt(me.lesson.code, 36) : M
 const wanted = () => ({ ...here().values, ...unseen?.values })
 const asTexts = (values) => Object.fromEntries(Object.entries(values).map(([name, value]) => [name, `${value}`]))
 
-const same = (a, b) => `${a}` === `${b}` || Number(a) === Number(b) // of values, or their texts
-
 // Whether the server is at the scene of the stop
 const atStop = () => {
   const { preset, values } = me.status
-  return preset === here().preset && Object.entries(wanted()).every(([name, value]) => same(values[name], value))
+  return preset === here().preset && !differing(wanted(), values).length
 }
 const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run)
   && !me.stale
@@ -206,7 +202,7 @@ function show() {
 }
 
 const curtains = {}
-const curtain = (name) => curtains[name] ??= figureOf(name).appendChild(make("div", { className: "future" }))
+const curtain = (name) => curtains[name] ??= charts[name].view.appendChild(make("div", { className: "future" }))
 
 // What lies ahead of the increment shown stays hidden until it is the visitor's turn: it answers later stops
 function hideFuture() {

@@ -3,6 +3,7 @@
 import { by, make, makeButton, makeShape } from "../dom.js"
 import { named } from "../quantities.js"
 import { me, view } from "../store.js"
+import { changedIn, titleOf } from "../words.js"
 
 const DASHES = [[6, 4], [2, 4], [2, 4, 6, 4], [6, 4, 2, 4]] // px, of the pins in turn
 const MOST = DASHES.length
@@ -14,17 +15,11 @@ export function pinRun() {
   if (pins.length >= MOST) return say(`${MOST} runs are pinned: remove one first`)
   if (!run?.whole || status.run !== run.number) return say("this run is not complete yet: pin it when it is")
   if (pins.some((pin) => pin.run === run)) return say("this run is pinned already")
-  const name = titled(status.address, status.preset)
+  const { address, preset } = status, values = changedIn(address).map((name) => named(name, address[name]))
+  const name = values.join(", ") || titleOf(preset)
   const slot = [1, 2, 3, 4].find((free) => pins.every((pin) => pin.slot !== free))
   me.pins = [...pins, { run, name, slot, shown: true, ink: `--pin-${slot}`, dash: DASHES[slot - 1] }]
   by("announcement").textContent = `pinned: ${name}`
-}
-
-// What differs from the preset, or the title of that
-function titled(scene, preset) {
-  const values =
-    Object.keys(scene).filter((name) => !["preset", "profile"].includes(name)).map((name) => named(name, scene[name]))
-  return values.join(", ") || document.querySelector(`#preset option[value="${preset}"]`).textContent
 }
 
 const change = (slot, news) => { me.pins = me.pins.map((pin) => (pin.slot === slot ? { ...pin, ...news } : pin)) }
