@@ -1,7 +1,7 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
 import { namesScene } from "./address.js"
-import { sendFile } from "./channel.js"
+import { tooLarge } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
@@ -95,6 +95,14 @@ async function slowMotion() {
   if (!me.run?.stored) (await fetched(() => import("./later/film.js")))?.slowMotion()
 }
 
+async function readProfile(file) {
+  const large = tooLarge(file)
+  if (large)
+    return say("profile-error", `profile: ${file.name} has ${large}; thin it out. The run on screen stays.`)
+  const content = await file.arrayBuffer()
+  return (await fetched(() => import("./later/trace.js")))?.read(content)
+}
+
 // A file dropped on the page is a measured curve
 function connectDrop() {
   if (alone) return
@@ -153,8 +161,8 @@ export function connect() {
     })
   }
   on("row", "change", ({ target }) => choosePreset(target.value))
-  sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`),
-    async (content) => (await fetched(() => import("./later/trace.js")))?.read(content))
+  on("profile", "click", ({ target }) => { target.value = "" }) // so that the same file can be chosen again
+  on("profile", "change", ({ target }) => { if (target.files[0]) readProfile(target.files[0]) })
   connectDrawer()
   on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then

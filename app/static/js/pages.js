@@ -35,15 +35,6 @@ function bringScene({ currentTarget: link }) {
   link.search = new URLSearchParams({ lab: link.dataset.lab, theme, ...me.status.address })
 }
 
-export function openAsked() {
-  const asked = new URLSearchParams(location.search).get("page")
-  if (by(asked)?.classList.contains("sheet")) show(asked)
-  else if (asked) {
-    readdress((now) => now.delete("page"))
-    order("page", { page: asked.slice(0, 64) }) // the server names it in a note
-  }
-}
-
 const shown = () => document.querySelector(".page").dataset.page
 
 // Open a page, or none, as another entry of the browser's history; wish: what to ask it for then
@@ -57,10 +48,15 @@ export function openPage(name, wish = null) {
 // Close the page: back to the entry before it, where opening it was the last change
 export const closePage = () => (history.state?.opened ? history.back() : openPage(""))
 
-// The page that the address names, after Back
-function showAddressed() {
+// The page that the address names, as it is opened and after Back
+export function showAddressed() {
   const name = new URLSearchParams(location.search).get("page") ?? ""
-  if (name !== shown()) show(by(name)?.classList.contains("sheet") ? name : "")
+  if (!name || by(name)?.classList.contains("sheet")) {
+    if (name !== shown()) show(name)
+  } else {
+    readdress((now) => now.delete("page"))
+    order("page", { page: name.slice(0, 64) }) // the server names it in a note
+  }
 }
 
 function show(name, wish = null) {
