@@ -79,7 +79,6 @@ function onKey(event) {
   if (event.key === "Escape" && !open) {
     if (by("drawer").open) by("drawer").close()
     if (event.target.closest?.("#panel")) by("menu").focus()
-    unfold(false)
   }
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
@@ -133,8 +132,6 @@ async function fileBeside(name) {
   return answer.text()
 }
 
-const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
-
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
   beginChange(false)
@@ -164,20 +161,18 @@ export function connect() {
   on("profile", "click", ({ target }) => { target.value = "" }) // so that the same file can be chosen again
   on("profile", "change", ({ target }) => { if (target.files[0]) readProfile(target.files[0]) })
   connectDrawer()
-  on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
     if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
-    unfold(false)
+    by("panel").hidePopover()
     by("menu").focus()
   }, true)
-  document.addEventListener("pointerdown", (event) => { if (!event.target.closest("header, dialog")) unfold(false) })
   for (const button of document.querySelectorAll("nav button")) {
     button.addEventListener("click", () => (button.dataset.page ? openPage(button.dataset.page) : closePage()))
   }
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", ({ detail, target }) => {
-    if (detail > 0) target.closest?.("button:not([popovertarget])")?.blur()
+    if (detail > 0) target.closest?.("button:not([popovertarget=solver])")?.blur()
   })
   on("play", "click", toggle)
   on("step", "click", () => { play(false); move(1) })
