@@ -48,7 +48,7 @@ NODES = {  # of the punch; frames.js assigns the states
     "repulsive": Node("touching", "dot repulsive", "circle", 5, "--repulsive"),
     "adhering": Node("attracted", "wedge", "inverted_triangle", 5, "--adhering"),
     "free": Node("free", "dot free", "circle", 3, "--free", WEAK),
-    "contact": Node("in contact, Tₙ = 0", "dot contact", "square", 5, "--shear", "Tₙ = 0"),  # of flats only
+    "contact": Node("in contact, Tₙ = 0", "dot contact", "square", 5, "--shear"),  # of flats only
 }
 RIDERS = {  # nodes on the interface law; pages/law/page.js assigns the states. The maps use other colours
     "stick": Node("nodes stick (before the peak of Tₜ)", "dot stick", "circle", 6, "--stick"),

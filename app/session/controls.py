@@ -97,8 +97,10 @@ def drawer() -> dict[str, list[str]]:
 
 
 ALSO = {  # {parameter: further words by which a visitor looks for it}
-    **{"E": "young's modulus", "delta_bar": "load force indentation", "phi_ratio": "grip friction force"},
-    **{"hold": "force load", "drive_t": "force spring", "drive_n": "force spring", "phi_n": "surface energy force"},
+    "hold": "force load",
+    "drive_t": "force spring",
+    "drive_n": "force spring",
+    "phi_n": "surface energy force",
 }
 
 

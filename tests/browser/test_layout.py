@@ -201,7 +201,7 @@ def test_a_page_opened_on_a_phone_starts_at_its_heading(visit):
 @pytest.mark.parametrize("query", ["?more=0", "?more=1"])
 def test_a_flat_shows_picture_text_and_one_curve_at_every_size(look, query):
     page = look(f"{query}&preset=fig4a-blue")
-    page.locator("main").evaluate("(main) => { main.dataset.chosen = 'area' }")  # a curve that a flat has not
+    page.locator("#chosen [value=area]").evaluate("(radio) => radio.click()")  # a curve that a flat has not
     places = """() => ['.hero', '#narration', '.forces'].map((what) => document.querySelector(`main ${what}`))
         .map((part) => part.getBoundingClientRect()).map((box) => [box.left, box.right, box.top, box.bottom])"""
     for width, height in SIZES:

@@ -4,6 +4,7 @@ import io
 
 import numpy as np
 import pytest
+from served import finished
 from tabs import imported
 
 from solver import Scene, simulate
@@ -133,3 +134,12 @@ def test_fit_from_here_opens_the_page_with_scene_and_curve(visit, run):
         page.click("#laid-fit")
     opened.value.get_by_text("recognised, noise").wait_for()
     assert "phi_ratio=0.5" in opened.value.url
+
+
+def test_a_page_opened_again_after_a_lost_connection_asks_for_the_curve(visit, run):
+    page = visit(ADDRESS)
+    dropped(page, made([frame for frame in run.frames if frame.stage == "shear"], "U_x", "F"))
+    page.evaluate("document.dispatchEvent(new Event('connection-lost'))")
+    page.locator("#laid-why").get_by_text("curve.csv: the connection was lost, and the curve with it").wait_for()
+    finished(page)
+    assert page.evaluate("punch.status.values.phi_ratio") == 0.5

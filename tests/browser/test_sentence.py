@@ -3,7 +3,7 @@
 import base64
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 
 import numpy as np
@@ -408,6 +408,16 @@ def test_forces_and_their_ranges_have_one_unit_however_small_they_are(tab):
     )
     said = ["−0.0856", "0.0946 N/m", "12300 N/m", "E = 70 GPa", "0.5 newtons per metre", "97.3 nm"]
     assert numbers == said
+
+
+def test_every_parameter_of_a_scene_is_told_with_its_value_also_where_that_is_a_word(tab):
+    names = list(asdict(Scene()))
+    told = tab.evaluate(
+        """(names) => import("http://scripts/js/quantities.js").then(({ named }) => (
+            names.map((name) => named(name, "loop"))))""",
+        names,
+    )
+    assert not [text for text in told if " = loop" not in text]
 
 
 COUNTED = """async (now) => {

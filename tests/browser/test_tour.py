@@ -13,7 +13,7 @@ def test_tour_goes_back_one_stop_and_reports_a_failed_run(visit):
     asked(page)
     assert "tour=" not in page.url  # a link from here does not open the tour
     page.evaluate("punch.speed = 40")
-    page.keyboard.press("1")
+    page.locator("button.answer").nth(0).click()
     page.get_by_role("button", name="Previous").wait_for()
     imported(page, "channel", "status").evaluate(
         """() => {  // from now on every run fails
@@ -70,7 +70,7 @@ def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
     page = at_stop(look("?more=0"), 9)
     page.wait_for_function("Object.keys(punch.status.address).length > 0")
     page.evaluate("punch.speed = 40")
-    page.keyboard.press("1")
+    page.locator("button.answer").nth(0).click()
     page.locator("#tour-card [role=status]").wait_for()
     right = page.locator("button[data-mark=right]").inner_text()
     slip = page.evaluate(
@@ -84,7 +84,7 @@ def test_last_tour_stop_asks_about_a_random_scene_and_judges_by_its_run(look):
 def test_the_tour_ends_with_friction_over_load_in_twelve_runs(look):
     page = at_stop(look("?more=0"), 9)
     page.evaluate("punch.speed = 40")
-    page.keyboard.press("1")
+    page.locator("button.answer").nth(0).click()
     page.get_by_role("button", name="Your turn").click()
     page.get_by_role("button", name="Friction over load").click()
     page.locator("#load-law", has_text="At L = 0 adhesion alone holds with").wait_for()
@@ -173,7 +173,7 @@ def test_a_stop_has_question_answers_reason_picture_and_contact_in_sight_at_ever
     page = at_stop(look(query), stop)
     assert not unseen(page, stop, "ask")
     page.evaluate("punch.speed = 40")
-    page.keyboard.press("2")
+    page.locator("button.answer").nth(1).click()
     page.locator("#tour-card [role=status]").wait_for()
     assert not unseen(page, stop, "why")
 
@@ -183,7 +183,7 @@ def test_a_stop_has_question_answers_reason_picture_and_contact_in_sight_at_ever
 def test_a_page_opened_within_the_tour_leaves_punch_and_card_in_sight_and_back_closes_it_only(look, query):
     page = at_stop(look(query), 8)
     page.evaluate("punch.speed = 40")
-    page.keyboard.press("1")
+    page.locator("button.answer").nth(0).click()
     page.get_by_role("button", name="Your turn").click()
     from_menu(page, "nav [data-page=load]")
     page.wait_for_function("() => parseInt(document.getElementById('load-count').textContent) > 0")

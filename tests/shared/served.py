@@ -128,7 +128,7 @@ def finished(page, run=1):
 
 def from_menu(page, button):
     """Press a button of the menu."""
-    page.evaluate("document.getElementById('menu').setAttribute('aria-expanded', 'true')")
+    page.evaluate("document.getElementById('panel').togglePopover(true)")
     page.locator(button).click()
 
 

@@ -80,7 +80,6 @@ AS_OPENED = """([search, wanted]) => {
     tour.find(({ textContent }) => textContent === "End tour")?.click()
     all(".chip [aria-label^=Remove]").forEach((remove) => remove.click())
     if (document.querySelector(".page").dataset.page) pages.openPage("")
-    by("menu").setAttribute("aria-expanded", "false")
     for (const box of all(".page input[type=checkbox], input[name=chosen], input[name=one]"))
         if (box.checked !== box.defaultChecked && (box.type !== "radio" || box.defaultChecked))
             change(box, { checked: box.defaultChecked })

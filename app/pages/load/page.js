@@ -6,8 +6,8 @@ import { by, on } from "../../static/js/dom.js"
 import { extent } from "../../static/js/curves.js"
 import { digits, named, withUnit } from "../../static/js/quantities.js"
 import { download } from "../../static/js/share.js"
-import { addSwept, clear, collect, points } from "../../static/js/slips.js"
-import { declared, me, repaint } from "../../static/js/store.js"
+import { addSwept, clear, points } from "../../static/js/slips.js"
+import { declared, me, memory, redrawPunch } from "../../static/js/store.js"
 
 const NAMED = ["delta_bar", "phi_ratio", "E"] // parameters that have a colour of their own, and name every point
 const ROOM = 0.12 // of an axis, beyond the points
@@ -35,13 +35,8 @@ export function connect() {
     cleared = sweep
     ask({ what: "clear" })
     draw()
-    repaint()
+    redrawPunch()
   })
-}
-
-export function frame(run) {
-  collect(run)
-  draw()
 }
 
 let sweep = null, cleared = null // numbers of the sweep on its way, and of one whose points are not wanted any more
@@ -53,12 +48,11 @@ export function receive(news) {
   draw()
 }
 
-let drawn = "" // what the chart shows
+const drawn = memory() // what the chart shows
+export { draw as frame }
 function draw() {
   const key = JSON.stringify(me.run?.head.scene), now = points.find((point) => point.key === key)
-  const state = `${points.map((point) => point.key)} ${key}`
-  if (state === drawn) return
-  drawn = state
+  if (!drawn(`${points.map((point) => point.key)} ${key}`)) return
   const groups = Object.groupBy(points, groupOf)
   for (const name in declared.marks.load) show(name, groups[name] ?? [])
   show("now", now ? [now] : [])

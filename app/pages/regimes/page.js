@@ -36,10 +36,7 @@ export function connect() {
 // A mouse drags; a finger that moves scrolls the page, and taps
 function connectMouse(view) {
   const chart = charts.regimes_map
-  const placeOf = ({ clientX, clientY }) => {
-    const { left, top } = view.getBoundingClientRect()
-    return chart.placeOf({ x: clientX - left, y: clientY - top })
-  }
+  const placeOf = ({ offsetX: x, offsetY: y }) => chart.placeOf({ x, y })
   const within = ({ x, y }) => x >= chart.x.start && x <= chart.x.end && y >= chart.y.start && y <= chart.y.end
   let dragged = false
   onDrag(view, (event) => {

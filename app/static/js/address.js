@@ -4,10 +4,9 @@
 import { lastSearch, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { restore } from "./steer.js"
-import { beginChange, declared, me, sees, view } from "./store.js"
+import { beginChange, declared, ended, me, sees, view } from "./store.js"
 
 const REST = 250 // ms for which an increment must be looked at before the address names it
-const LARGEST = 1e6
 
 // The entries of the browser's history that belong to this page, and the scene in the address
 class Entries {
@@ -50,7 +49,7 @@ let wantedOf = me.move // unless parameters have been changed since
 
 function asked() {
   const text = new URLSearchParams(location.search).get("k")
-  return /^\d+$/.test(text ?? "") && Number(text) < LARGEST ? Number(text) : null
+  return /^\d+$/.test(text ?? "") ? Number(text) : null
 }
 
 const sceneNames = () => ["preset", "profile", ...Object.keys(me.status.values)]
@@ -120,7 +119,7 @@ function tellIncrement() {
 
 // Once the run is whole: to the increment that was asked for
 export function goToAsked() {
-  if (!me.run?.length || !["finished", "skipped", "failed"].includes(me.status.state)) return
+  if (!me.run?.length || !ended()) return
   const k = wanted
   wanted = null
   if (k !== null && wantedOf === me.move) goto(k)

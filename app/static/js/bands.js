@@ -1,18 +1,18 @@
 // Under the punch, over the same places: the tractions as two bands, so that what holds and what slips is seen where it
 // happens.
 
+import { ticksOf } from "./chart.js"
 import { charts } from "./charts.js"
 import { isShown, sizeOf } from "./colours.js"
+import { LEAST } from "./curves.js"
 import { by } from "./dom.js"
 import { inks, line, size, within, write } from "./pen.js"
 import { drawnFrame } from "./punch.js"
-import { minus } from "./quantities.js"
 import { me } from "./store.js"
 
 const GAP = 10 // px between both
 const LABEL = 4 // times the size of the text, for a number of a place
 const ABOVE = 1.3 // times the size of the text, for what is above zero
-const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a band
 
 export function drawBands(pen, box) {
   if (!me.picture || !isShown(by("bands"))) return
@@ -77,9 +77,8 @@ function drawScale({ pen, ink, box }, top, scale, row, bottom) {
 
 function drawPlaces({ pen, ink, box: { X, width } }, start, end, y, row) {
   const most = Math.min(8, width / (LABEL * size())) // numbers side by side
-  const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((nm) => (end - start) / nm <= most) ?? 2000
-  for (let at = Math.ceil(start / step) * step; at <= end; at += step) {
+  for (const [at, text] of ticksOf({ start, end }, most)) {
     line(pen, [[X(at), y - 2], [X(at), y + 3]], ink.soft)
-    write({ pen, ink }, `${minus(at)}${at === 0 ? " nm" : ""}`, X(at), y + 0.65 * row, { of: ink.soft, scale: 0.95 })
+    write({ pen, ink }, `${text}${at === 0 ? " nm" : ""}`, X(at), y + 0.65 * row, { of: ink.soft, scale: 0.95 })
   }
 }

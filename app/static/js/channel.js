@@ -1,6 +1,5 @@
 // Orders to the server, and messages from it: the parameters of the Stage (app/stage.py).
 
-import { by, on } from "./dom.js"
 import { me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
@@ -64,13 +63,5 @@ export function heard(n) {
 // Ask the page that is open for something
 export const ask = (values) => order("ask", values)
 
-// What is chosen as a file is passed to read(content); refuse(why) where it is too large
-export function sendFile(id, refuse, read) {
-  on(id, "click", () => { by(id).value = "" }) // so that the same file can be chosen again
-  on(id, "change", async ({ target: { files: [file] } }) => {
-    if (!file) return
-    const size = (file.size / 1e6).toFixed(1)
-    if (file.size > LARGEST) refuse(`${id}: ${file.name} has ${size} MB, allowed: 2 MB; thin it out.`)
-    else read(await file.arrayBuffer())
-  })
-}
+// Why a file is not sent: it is larger than the server takes; "" where it is sent
+export const tooLarge = ({ size }) => (size > LARGEST ? `${(size / 1e6).toFixed(1)} MB, allowed: 2 MB` : "")

@@ -2,14 +2,14 @@
 
 import { colour, isShown, sizeOf, textSize } from "./colours.js"
 import { minus } from "./quantities.js"
-import { cleared, font, note, within } from "./pen.js"
+import { cleared, font, within } from "./pen.js"
 
 const LEFT = 76, RIGHT = 14, TOP = 6, BOTTOM = 4 // beside the frame: the same in all charts, so that axes line up
 const LARGE = 15, THICK = 2.5 // text larger than that is for a projector: then lines are so many times as thick
 const TICK = 5, NEAR = 12 // of a tick; from the mouse to a text about what it points at
 const ACROSS = 4.2, DOWN = 2.6 // sizes of the text, from one number of an axis to the next, at least
 const MOST = 6 // numbers of an axis upwards
-const MARKERS = { // paths of marks of a size
+export const MARKERS = { // paths of marks of a size
   circle: (pen, x, y, size) => {
     pen.moveTo(x + size / 2, y)
     pen.arc(x, y, size / 2, 0, 2 * Math.PI)
@@ -254,6 +254,22 @@ export class Chart {
     const { x, y } = this.pointed
     const inside = x >= left && x <= left + width && y >= top && y <= top + height
     const texts = inside ? this.says(this.placeOf(this.pointed), this.pointed) : null
-    if (texts) note(pen, texts, x, y, NEAR, { left, top, width, height })
+    if (!texts) return
+    const row = 1.35 * textSize(), high = texts.length * row + 8
+    pen.font = font()
+    const wide = Math.max(...texts.map((text) => pen.measureText(text).width)) + 12
+    const at = x + NEAR + wide < left + width ? x + NEAR : Math.max(left, x - NEAR - wide)
+    const up = Math.min(Math.max(top, y - high / 2), top + height - high)
+    pen.fillStyle = colour("--card")
+    pen.strokeStyle = colour("--grid")
+    pen.lineWidth = 1
+    pen.beginPath()
+    pen.roundRect(at, up, wide, high, 4)
+    pen.fill()
+    pen.stroke()
+    pen.fillStyle = colour("--text")
+    pen.textAlign = "left"
+    pen.textBaseline = "middle"
+    texts.forEach((text, i) => pen.fillText(text, at + 6, up + 4 + (i + 0.5) * row))
   }
 }

@@ -1,7 +1,7 @@
 // The charts of the experiment: the punch, forces and area over the path, and the map of tractions. Pages add theirs.
 
 import { Chart } from "./chart.js"
-import { isShown } from "./colours.js"
+import { isShown, readAgain } from "./colours.js"
 import { by } from "./dom.js"
 
 export const CURVES = ["forces", "area", "map"]
@@ -60,11 +60,6 @@ export const dashLoad = (dashed) => {
   for (const name of ["L", "ghost_L"]) charts.forces.fill(name, { dash: dashed ? DASHED : [] })
 }
 
-// All charts again: colours, sizes or what is in sight have changed
-export function change() {
-  for (const name in charts) charts[name].changed = true
-}
-
 // Whether one that is in sight is to be painted
 export const chartsWait = () => Object.values(charts).some(({ changed, view: of }) => changed && isShown(of))
 
@@ -73,10 +68,12 @@ export const paintCharts = () => { for (const name in charts) charts[name].paint
 // What is not in sight is not drawn
 export const chartShown = (name) => isShown(charts[name].view)
 
-// Curves that stand above each other share the lowest's axis; the punch that of the tractions under it
-export function shareAxis() {
+// All charts again: colours, sizes or what is in sight have changed. Curves that stand above each other share the
+// lowest's axis; the punch that of the tractions under it
+export function change() {
+  readAgain()
   const stacked = CURVES.filter(chartShown)
   for (const name of stacked) charts[name].axis = name === stacked.at(-1)
   charts.punch.axis = !isShown(by("bands"))
-  change()
+  for (const name in charts) charts[name].changed = true
 }

@@ -38,8 +38,9 @@ export const textSize = () => (
 
 export const theme = () => document.documentElement.dataset.theme
 
-const mixed = (from, to, part) => (
-  `#${from.map((v, i) => Math.round(v + part * (to[i] - v)).toString(16).padStart(2, "0")).join("")}`)
+// Red, green and blue mixed, as an opaque pixel of 32 bits
+export const mixed = (from, to, part) => from.reduce((ink, value, i) => (
+  (ink | (Math.round(value + part * (to[i] - value)) << (8 * i))) >>> 0), 0xff000000)
 
 // Shades by the sign: two ramps that meet at zero, so that the sign is never in doubt. They are steps of one size, a
 // whole number of them on either side of zero, hence the limits lie up to a step beyond low and high.
@@ -67,15 +68,11 @@ export function levels(low, high) {
 
 // A canvas with a pixel for each of the values (rows, columns), shaded; those that are NaN are left free
 export function pictureOf(values, [rows, columns], { low, high, palette }) {
-  const step = (high - low) / palette.length
-  const inks = Uint32Array.from(palette, (text) => {
-    const [red, green, blue] = [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
-    return (0xff000000 | (blue << 16) | (green << 8) | red) >>> 0
-  })
+  const step = (high - low) / palette.length, last = palette.length - 1
   const canvas = new OffscreenCanvas(columns, rows), pen = canvas.getContext("2d")
   const pixels = pen.createImageData(columns, rows), painted = new Uint32Array(pixels.data.buffer)
   values.forEach((value, i) => {
-    if (value === value) painted[i] = inks[Math.min(Math.max(Math.floor((value - low) / step), 0), inks.length - 1)]
+    if (value === value) painted[i] = palette[Math.min(Math.max(Math.floor((value - low) / step), 0), last)]
   })
   pen.putImageData(pixels, 0, 0)
   return canvas

@@ -3,7 +3,7 @@
 // shown beside it.
 
 import { silence } from "./channel.js"
-import { by, keepForTab, takeFromTab } from "./dom.js"
+import { by, keepForTab, readdress, takeFromTab } from "./dom.js"
 import { warn } from "./opening.js"
 import { declared, me, now } from "./store.js"
 
@@ -58,7 +58,6 @@ const pause = (time) => new Promise((go) => {
 
 // The last scene that the server sent, then what was asked for since
 function openAnew() {
-  const address = new URL(location.href)
   let wanted = { ...me.status.address }
   // a picture is newer than the status
   if (me.run?.followed) for (const name in declared.positions) wanted[name] = me.run.scene[name]
@@ -67,12 +66,13 @@ function openAnew() {
     else wanted = { ...values }
   }
   if (me.status.values) {
-    for (const name of ["preset", "profile", "k", ...Object.keys(me.status.values)]) address.searchParams.delete(name)
-    for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.searchParams.set(name, value)
+    readdress((address) => {
+      for (const name of ["preset", "profile", "k", ...Object.keys(me.status.values)]) address.delete(name)
+      for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.set(name, value)
+    })
   }
   const { playing, speed, run } = me, shown = run?.length ? run.place(now()) : null
-  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown }))
-  history.replaceState(history.state, "", address)
+  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown, curve: me.laid?.name }))
   location.reload()
 }
 
@@ -80,8 +80,9 @@ function openAnew() {
 export function restore() {
   const kept = takeFromTab(AS_IT_WAS)
   if (!kept) return
-  const { playing, speed, shown } = JSON.parse(kept)
+  const { playing, speed, shown, curve } = JSON.parse(kept)
   Object.assign(me, { playing, place: shown })
   if (shown) me.following = false
   by("speed").value = speed
+  if (curve) import("./later/overlay.js").then(({ askAgain }) => askAgain(curve)) // the server has forgotten it
 }

@@ -4,12 +4,11 @@ import { valueAt } from "./chart.js"
 import { charts, chartShown, dashLoad } from "./charts.js"
 import { nice, pictureOf, shades } from "./colours.js"
 import { by, tell } from "./dom.js"
-import { digits, fixed, named } from "./quantities.js"
+import { differing, digits, fixed, named } from "./quantities.js"
 import { me } from "./store.js"
-import { tellStart } from "./words.js"
 
-const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
-const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
+export const LEAST = 0.05 // GPa; weaker traction is not blown up to fill a view
+export const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const EDGE = 0.02 // of a curve, that an axis keeps beyond it, so that marks at its ends are whole
 const ROOM = 0.3 // of a curve, that an axis which cannot stay gets beyond it in a drag, so that it stays for a while
 const SPARE = 0.08 // of a curve, on either side of it on a new axis
@@ -81,14 +80,15 @@ function fitCurves(run, approach, forces, areas) {
   const all = areas.flatMap((list) => [...list]), least = Math.min(...all), most = Math.max(...all, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
   fit(charts.area, from, most)
-  tellStart(from && charts.area.y.start)
+  const begin = from && charts.area.y.start
+  tell(by("area-from"), begin > 0 ? `axis begins at ${digits(begin, 2)} nm` : "")
 }
 
 const NAMED = 2 // parameters at most
 
 // What the run before was computed with, where that is another scene
 function nameGhost({ scene }, ghost) {
-  const names = scene && ghost?.scene ? Object.keys(scene).filter((name) => scene[name] !== ghost.scene[name]) : []
+  const names = scene && ghost?.scene ? differing(scene, ghost.scene) : []
   const values = names.map((name) => named(name, ghost.scene[name])).join(", ")
   const text = names.length && names.length <= NAMED ? `: ${values}` : ""
   for (const key of document.querySelectorAll(".key .ghost .of")) tell(key, text)

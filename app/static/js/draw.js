@@ -1,13 +1,12 @@
 // Draws the picture: a frame, the curves and the map of the run on screen. Nothing is drawn again that is as it was.
 
 import { drawBands } from "./bands.js"
-import { drawLines, drawSurfaces } from "./beside.js"
 import { charts } from "./charts.js"
-import { drawCurves, drawMap } from "./curves.js"
+import { beside, drawCurves, drawMap } from "./curves.js"
 import { by } from "./dom.js"
 import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
-import { drawFrame, fitFrames } from "./punch.js"
+import { drawFrame, drawnFrame, fitFrames, sideways } from "./punch.js"
 import { cost, frame, me, memory, set, touch } from "./store.js"
 import { drawStory, tellNow } from "./story.js"
 import { tellFrame } from "./words.js"
@@ -15,6 +14,8 @@ import { tellFrame } from "./words.js"
 const QUIET = 150 // ms between two drawings of a growing run: it needs the processor itself
 const HELD = 250 // ms between two drawings of the map while a slider is held: the curves come first
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
+
+const WIDE = 2.5, THIN = 1.2 // px, of pinned runs: friction and area, load
 
 const increment = memory(), curves = memory(), map = memory()
 let curvesAt = 0, mapAt = 0 // ms, when they were drawn
@@ -57,7 +58,7 @@ function drawPart(run, k, time) {
   curvesAt = time
   fitFrames(run)
   drawCurves(run, me.ghost, approach)
-  drawLines(run, me.ghost, approach)
+  drawPins(run, approach)
   set({ approach, charted: run })
 }
 
@@ -85,7 +86,7 @@ function tellPicture() {
 // All that shows frame k of a run, or of a motion through a slip
 function drawIncrement(run, k) {
   drawFrame(run, k)
-  drawSurfaces(run, k)
+  drawPinnedSurfaces(run, k)
   tellNow(run, k)
   tellFrame(run, k)
   me.picture = { run, k }
@@ -100,4 +101,42 @@ function drawPunch() {
   if (run !== me.run) return
   if (me.drawn < 0) document.querySelector(".page").dataset.drawn = "" // figures come into sight
   me.drawn = k
+}
+
+// Lines of pinned runs, each in the colour and dashes of its pin
+const lines = (list) => (
+  { list: list.map(({ pin: { ink, dash }, width = WIDE, x, y }) => ({ x, y, width, ink, dash })) })
+
+// Pinned runs behind the run on screen: their curves, and outlines in the map, which is not painted without need
+let pinned = 0 // how many are drawn
+function drawPins(run, approach) {
+  const pins = beside(run)
+  if (!pins.length && !pinned) return
+  pinned = pins.length
+  const line = (pin, name, width) => {
+    const { along: x, value: y } = pin.run.drawn(name, approach)
+    return { pin, width, x, y }
+  }
+  charts.forces.fill("pins", lines(pins.flatMap((pin) => [line(pin, "F"), line(pin, "L", THIN)])))
+  charts.area.fill("pins", lines(pins.map((pin) => line(pin, "A"))))
+  charts.map.fill("pins", lines(approach ? [] : pins.flatMap(outline)))
+}
+
+// Both edges of contact over the path, until a leg turns; gaps where nothing is repelled
+function outline(pin) {
+  const { run } = pin, { stage } = run.curves
+  const frames = run.frames((k) => k >= run.sheared && stage[k] === stage[run.sheared])
+  const x = frames.map((k) => run.along[k])
+  return run.head.flat ? [] : run.edgesOver(frames).map((y) => ({ pin, x, y, width: 2 }))
+}
+
+// The frame of a pinned run whose top has been pulled, or pressed, as far as that of the run on screen
+const matched = ({ run: of }, run, k) =>
+  (k < run.sheared ? Math.min(k, of.sheared) : of.nearest(run.along[k], Math.max(k, of.sheared)))
+
+function drawPinnedSurfaces(run, k) {
+  charts.punch.fill("pins", lines(beside(run).filter((pin) => !pin.run.head.flat).map((pin) => {
+    const { drawn: x, gap: y } = drawnFrame(pin.run, matched(pin, run, k), sideways(run))
+    return { pin, x, y, width: 2 }
+  })))
 }

@@ -1,12 +1,12 @@
 // Stress inside the punch: photoelastic fringes, lines of equal shear stress, or one component with its sign.
 
 import { charts } from "./charts.js"
-import { bytes, isShown, theme } from "./colours.js"
+import { bytes, isShown, mixed, theme } from "./colours.js"
 import { by, keep, kept, make, on } from "./dom.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
-import { drawnFrame } from "./punch.js"
+import { BAR, drawnFrame } from "./punch.js"
 import { digits } from "./quantities.js"
-import { me, redrawPunch } from "./store.js"
+import { me, memory, redrawPunch } from "./store.js"
 
 // of the picture in pixels, and in how many columns and rows stress is summed; half as many while a slider is held
 const ROWS = 60
@@ -16,24 +16,21 @@ const SHADES = 64 // of a fringe
 const WAVES = 9 // of the shortest mode in half of the width shown
 const ORDERS = 3 // fringes in the key; the colours of a component end at so many
 const COMPONENTS = { zz: ZZ, xx: XX, xz: XZ }
-const BAR = 9 // px, as the top is drawn by story.js
 const LIGHT = 0.3, SIGNED = 0.7, DARK = 0.4 // opacity: calm enough for what stands over it
 const sheet = make("canvas")
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
 
 export function connectFringes() {
-  by("stress").value = kept("fringes")
-  if (!chosen()) by("stress").value = "fringes"
-  on("stress", "change", () => {
-    keep("fringes", chosen())
-    redrawPunch()
-  })
-  by("fringe").value = kept("fringe") ?? by("fringe").value
-  on("fringe", "change", ({ target }) => {
-    keep("fringe", target.value)
-    redrawPunch()
-  })
+  for (const [id, name] of [["stress", "fringes"], ["fringe", "fringe"]]) {
+    const choice = by(id), usual = choice.value
+    choice.value = kept(name)
+    choice.value ||= usual
+    on(id, "change", () => {
+      keep(name, choice.value)
+      redrawPunch()
+    })
+  }
 }
 
 const chosen = () => by("stress").value
@@ -41,11 +38,10 @@ const keyOf = (component) => document.querySelector(`.of-stress[data-stress=${co
 const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only the user changes it
 
 // The key: the colours of the first orders or of both signs, and the stress at which they end
-let keyed = ""
+const keyed = memory()
 function drawKey() {
-  const what = chosen(), wanted = `${theme()} ${perFringe()} ${what}`
-  if (wanted === keyed) return
-  keyed = wanted
+  const what = chosen()
+  if (!keyed(theme(), perFringe(), what)) return
   document.querySelector(".page").dataset.stress = what
   document.querySelector(".of-fringe").hidden = what !== "fringes"
   for (const key of document.querySelectorAll(".of-stress")) key.hidden = key.dataset.stress !== what
@@ -136,9 +132,8 @@ const signs = {}
 function signedInks(component, ground) {
   const { below, above } = keyOf(component).dataset
   return (signs[`${component} ${ground}`] ??= Uint32Array.from({ length: 2 * ORDERS * SHADES + 1 }, (_, i) => {
-    const part = i / (ORDERS * SHADES) - 1, from = bytes("--page"), to = bytes(part < 0 ? below : above)
-    return from.reduce((ink, byte, channel) =>
-      (ink | (Math.round(byte + (to[channel] - byte) * Math.abs(part)) << (8 * channel))) >>> 0, 0xff000000)
+    const part = i / (ORDERS * SHADES) - 1
+    return mixed(bytes("--page"), bytes(part < 0 ? below : above), Math.abs(part))
   }))
 }
 

@@ -1,16 +1,15 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
 import { namesScene } from "./address.js"
-import { sendFile } from "./channel.js"
-import { charts } from "./charts.js"
+import { tooLarge } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
-import { connectChart } from "./pointing.js"
+import { connectDrawer } from "./sliders.js"
 import { enter, letGo, restore, steer } from "./steer.js"
 import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
-import { chooseNext, connectViews, fillScreen, lettersAreKeys, project, seeMore } from "./view.js"
+import { chooseNext, connectViews, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
@@ -71,16 +70,15 @@ function switchTheme() {
 const KEYS = {
   " ": toggle, ArrowRight: move, ArrowLeft: (jump) => move(-jump),
   Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
-  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext, m: slowMotion, f: fillScreen,
+  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext, m: slowMotion,
 }
-const PLAIN = " rpfmlc" // which a slider or a box leaves to the page
+const PLAIN = " rpmlc" // which a slider or a box leaves to the page
 
 function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)
   if (event.key === "Escape" && !open) {
     if (by("drawer").open) by("drawer").close()
     if (event.target.closest?.("#panel")) by("menu").focus()
-    unfold(false)
   }
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
@@ -96,6 +94,14 @@ async function slowMotion() {
   if (!me.run?.stored) (await fetched(() => import("./later/film.js")))?.slowMotion()
 }
 
+async function readProfile(file) {
+  const large = tooLarge(file)
+  if (large)
+    return say("profile-error", `profile: ${file.name} has ${large}; thin it out. The run on screen stays.`)
+  const content = await file.arrayBuffer()
+  return (await fetched(() => import("./later/trace.js")))?.read(content)
+}
+
 // A file dropped on the page is a measured curve
 function connectDrop() {
   if (alone) return
@@ -107,7 +113,24 @@ function connectDrop() {
   })
 }
 
-const unfold = (open) => by("menu").setAttribute("aria-expanded", open)
+let theory = null // a promise of the text of the dialog *Theory*: the model and the glossary, once it was opened
+async function openTheory() {
+  by("theory").showModal()
+  try {
+    theory ??= Promise.all(["theory.html", "glossary.html"].map(fileBeside))
+    by("theory-text").innerHTML = (await theory).join("")
+  } catch {
+    theory = null
+    by("theory-text").replaceChildren("The page could not be loaded; close it and try again.")
+  }
+}
+
+// The text of a file beside the scripts
+async function fileBeside(name) {
+  const answer = await fetch(new URL(`../${name}`, import.meta.url))
+  if (!answer.ok) throw new Error(`${name}: ${answer.status}`)
+  return answer.text()
+}
 
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
@@ -135,23 +158,21 @@ export function connect() {
     })
   }
   on("row", "change", ({ target }) => choosePreset(target.value))
-  sendFile("profile", (why) => say("profile-error", `${why} The run on screen stays.`),
-    async (content) => (await fetched(() => import("./later/trace.js")))?.read(content))
-  on("parameters", "click", async () => (await fetched(() => import("./drawer.js")))?.openDrawer())
-  on("menu", "click", () => unfold(by("menu").getAttribute("aria-expanded") !== "true"))
+  on("profile", "click", ({ target }) => { target.value = "" }) // so that the same file can be chosen again
+  on("profile", "change", ({ target }) => { if (target.files[0]) readProfile(target.files[0]) })
+  connectDrawer()
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
     if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
-    unfold(false)
+    by("panel").hidePopover()
     by("menu").focus()
   }, true)
-  document.addEventListener("pointerdown", (event) => { if (!event.target.closest("header, dialog")) unfold(false) })
   for (const button of document.querySelectorAll("nav button")) {
     button.addEventListener("click", () => (button.dataset.page ? openPage(button.dataset.page) : closePage()))
   }
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", ({ detail, target }) => {
-    if (detail > 0) target.closest?.("button:not([popovertarget])")?.blur()
+    if (detail > 0) target.closest?.("button:not([popovertarget=solver])")?.blur()
   })
   on("play", "click", toggle)
   on("step", "click", () => { play(false); move(1) })
@@ -165,8 +186,8 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())
-  on("open-theory", "click", async () => (await fetched(() => import("./later/model.js")))?.openTheory())
-  on("scrub", "input", (event) => { if (!me.film) goto(Number(event.target.value)) })
+  on("open-theory", "click", openTheory)
+  on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {
     on(menu, "change", () => { chosen = menu })
@@ -175,6 +196,5 @@ export function connect() {
   on("theme", "click", switchTheme)
   connectViews()
   document.addEventListener("keydown", onKey)
-  for (const name in charts) connectChart(name)
   connectHand()
 }

@@ -21,14 +21,12 @@ const keep = (map, key, value) => {
 }
 let asked = "", since = 0
 
-export function connectInside() {
-  take("table", (message) => {
-    const table = tableOf(message)
-    keep(tables, keyOf(table.geometry, table.asked), table)
-    asked = ""
-    redrawPunch()
-  })
-}
+take("table", (message) => {
+  const table = tableOf(message)
+  keep(tables, keyOf(table.geometry, table.asked), table)
+  asked = ""
+  redrawPunch()
+})
 
 export function tableOf({ body, ...table }) {
   return { ...table, factors: Float32Array.from(new Int16Array(body), (value) => value * table.scale) }

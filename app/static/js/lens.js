@@ -1,13 +1,15 @@
 // Nodes, lattice sites and the springs between them, to scale: in a lens over the punch, or, for flats, over all of it.
 
+import { MARKERS } from "./chart.js"
 import { charts } from "./charts.js"
 import { by, closest, on, onDrag, tell } from "./dom.js"
-import { line, write } from "./pen.js"
-import { sideways } from "./punch.js"
+import { cleared, inks, line, write } from "./pen.js"
+import { BAR, sideways } from "./punch.js"
 import { digits, fixed } from "./quantities.js"
 import { me, redrawPunch, sees } from "./store.js"
 
 const ACROSS = 13 // nm seen in the lens
+const SPRUNG = 9 // nodes seen with their springs in a reason of the tour
 const APART = 2.4 // nm that nodes are drawn above where they are, so that springs are seen in contact
 const REACH = 2.2 // delta_t: springs longer than that are too weak to be drawn
 // nm along the interface, null: at the trailing edge; in slow motion where most moves
@@ -127,19 +129,22 @@ export function drawAtoms({ pen, frame, run, k, ink }, x, y, scale, from, to) {
     pen.strokeStyle = ink.page
     pen.lineWidth = 1.5
     pen.beginPath()
-    if (state === "adhering") wedge(pen, x(frame.x[i]), up(i), 1.2 * dot)
+    if (state === "adhering") MARKERS.inverted_triangle(pen, x(frame.x[i]), up(i), 2.4 * dot) // as in the legend
     else pen.arc(x(frame.x[i]), up(i), dot, 0, 7)
     pen.fill()
     pen.stroke()
   }
 }
 
-// A triangle that points down, as in the legend
-function wedge(pen, x, y, half) {
-  pen.moveTo(x - half, y - 0.8 * half)
-  pen.lineTo(x + half, y - 0.8 * half)
-  pen.lineTo(x, y + half)
-  pen.closePath()
+// The picture that argues the reason at some stops of the tour: the trailing edge of frame k of a run
+export function drawSprings(canvas, run, k) {
+  const pen = cleared(canvas), { clientWidth: width, clientHeight: height } = canvas
+  if (!pen || run.head.flat) return
+  const frame = run.frame(k), edges = run.edges(k), { first, spacing } = run.headOf(k)
+  const i = edges ? Math.floor(edges[0] - first) : frame.gap.findIndex((gap) => gap === Math.min(...frame.gap))
+  const at = frame.x[Math.max(0, i)] + 2 * spacing, scale = width / (SPRUNG * spacing), low = 0.72 * height
+  drawAtoms({ pen, frame, run, k, ink: inks() }, (x) => 0.5 * width + (x - at) * scale, (y) => low - y * scale * 0.8,
+    scale, at - (SPRUNG * spacing) / 2, at + (SPRUNG * spacing) / 2)
 }
 
 // Flat on flat: all nodes move alike, each on an elastic line to the top; a picture of its own in place of the punch
@@ -151,7 +156,7 @@ export function drawLattice(view) {
   const stretch = run.top(k) - run.least(k)
   for (const at of frame.x) {
     if (at < from - 3 * spacing || at > to + 3 * spacing) continue
-    line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + 9]], ink.body, 2)
+    line(pen, [[X(at), low - APART * scale], [X(at + stretch), box.top + BAR]], ink.body, 2)
   }
   drawAtoms(view, X, (y) => low - y * scale, scale, from, to)
   const text = `${narrow ? "layer" : "the elastic layer,"} sheared by ${fixed(stretch, 1)} nm`

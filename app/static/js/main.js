@@ -2,15 +2,13 @@
 
 import * as address from "./address.js"
 import * as channel from "./channel.js"
-import { charts, makeCharts, shareAxis } from "./charts.js"
-import { readAgain } from "./colours.js"
+import { change, charts, makeCharts } from "./charts.js"
 import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
-import { by, takeFromTab } from "./dom.js"
+import { by } from "./dom.js"
 import * as draw from "./draw.js"
 import { connectFringes } from "./fringes.js"
 import * as inputs from "./inputs.js"
-import { connectInside } from "./inside.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
 import { unpackLater } from "./packed.js"
@@ -35,11 +33,7 @@ export function start() {
   inputs.connect()
   connectLens()
   connectFringes()
-  connectInside()
-  view(["look"], () => {
-    readAgain()
-    shareAxis()
-  })
+  view(["look"], change)
   view(["pointed"], () => {
     for (const name in charts) charts[name].point(me.pointed?.name === name ? me.pointed : null)
   })
@@ -58,7 +52,7 @@ export function start() {
   me.speed = Number(by("speed").value)
   document.addEventListener("stage", ({ detail }) => connect(detail))
   if (alone) opened()
-  else if (!embedded) pages.openAsked()
+  else if (!embedded) pages.showAddressed()
   let kept = false // Share opens without the server, too, so that it comes while that is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return
@@ -67,8 +61,6 @@ export function start() {
   })
   const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
-  const lost = takeFromTab("measured curve")
-  if (lost) import("./later/overlay.js").then(({ askAgain }) => askAgain(lost))
   if (asked.has("check")) import("./later/check.js").then(({ check }) => check())
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }

@@ -5,10 +5,10 @@
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
-import { charts } from "./charts.js"
+import { charts, CURVES } from "./charts.js"
 import { by, fetched, readdress } from "./dom.js"
-import { connectChart } from "./pointing.js"
-import { declared, me, redraw, repaint, view } from "./store.js"
+import { goto } from "./player.js"
+import { declared, me, redraw, redrawPunch, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
 const SETTLE = 120 // ms; of pages picked in quick succession the last one counts
@@ -25,6 +25,7 @@ export function connect() {
   addEventListener("popstate", showAddressed)
   view(["look"], () => call("receive", sheet))
   view(["picture"], () => framePage("frame"))
+  for (const name in charts) connectChart(name)
   charts.punch.fill("page", { draw: (...punch) => framePage("over", ...punch) })
 }
 
@@ -32,15 +33,6 @@ export function connect() {
 function bringScene({ currentTarget: link }) {
   const { theme } = document.documentElement.dataset
   link.search = new URLSearchParams({ lab: link.dataset.lab, theme, ...me.status.address })
-}
-
-export function openAsked() {
-  const asked = new URLSearchParams(location.search).get("page")
-  if (by(asked)?.classList.contains("sheet")) show(asked)
-  else if (asked) {
-    readdress((now) => now.delete("page"))
-    order("page", { page: asked.slice(0, 64) }) // the server names it in a note
-  }
 }
 
 const shown = () => document.querySelector(".page").dataset.page
@@ -56,10 +48,15 @@ export function openPage(name, wish = null) {
 // Close the page: back to the entry before it, where opening it was the last change
 export const closePage = () => (history.state?.opened ? history.back() : openPage(""))
 
-// The page that the address names, after Back
-function showAddressed() {
+// The page that the address names, as it is opened and after Back
+export function showAddressed() {
   const name = new URLSearchParams(location.search).get("page") ?? ""
-  if (name !== shown()) show(by(name)?.classList.contains("sheet") ? name : "")
+  if (!name || by(name)?.classList.contains("sheet")) {
+    if (name !== shown()) show(name)
+  } else {
+    readdress((now) => now.delete("page"))
+    order("page", { page: name.slice(0, 64) }) // the server names it in a note
+  }
 }
 
 function show(name, wish = null) {
@@ -110,12 +107,36 @@ export function receive(news) {
   }
   if (news.open) delete by(news.open).dataset.drawing
   call("receive", sheet)
-  framePage("frame")
-  repaint()
+  redrawPunch() // and the page's charts
 }
 
 // The increment on screen, for the page
 function framePage(what, ...punch) {
   const { run, k } = me.picture ?? {}
   if (run && run === me.run) call(what, ...punch, run, k)
+}
+
+const resized = new ResizeObserver(redraw) // what rests is drawn anew, in the size of the text there
+
+// Beside the mouse a chart says what is there. On a curve of the run, that increment is shown in every view while
+// playback rests, and a click goes there
+function connectChart(name) {
+  const chart = charts[name], { view: surface } = chart, curve = CURVES.includes(name)
+  resized.observe(surface)
+  const px = (event) => {
+    const { left, top } = surface.getBoundingClientRect()
+    return { x: event.clientX - left, y: event.clientY - top }
+  }
+  const there = (at) => (me.run?.sheared >= 0 && chart.box ? me.run.nearest(chart.placeOf(at).x, me.at) : null)
+  const point = (at) => {
+    me.pointed = at && { name, ...at }
+    if (curve && (at === null || !me.playing)) me.preview = at && there(at)
+  }
+  surface.addEventListener("pointermove", (event) => { if (event.pointerType !== "touch") point(px(event)) })
+  surface.addEventListener("pointerleave", () => point(null))
+  if (!curve) return
+  surface.addEventListener("click", (event) => {
+    const k = there(px(event))
+    if (k !== null) goto(k)
+  })
 }

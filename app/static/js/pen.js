@@ -64,26 +64,6 @@ export function write({ pen, ink, box }, text, x, y,
   return [x, x + width]
 }
 
-// Lines of text beside a place, px, on a ground of their own, within a rectangle
-export function note(pen, texts, x, y, away, { left, top, width, height }) {
-  const row = 1.35 * textSize(), high = texts.length * row + 8
-  pen.font = font()
-  const wide = Math.max(...texts.map((text) => pen.measureText(text).width)) + 12
-  const at = x + away + wide < left + width ? x + away : Math.max(left, x - away - wide)
-  const up = Math.min(Math.max(top, y - high / 2), top + height - high)
-  pen.fillStyle = colour("--card")
-  pen.strokeStyle = colour("--grid")
-  pen.lineWidth = 1
-  pen.beginPath()
-  pen.roundRect(at, up, wide, high, 4)
-  pen.fill()
-  pen.stroke()
-  pen.fillStyle = colour("--text")
-  pen.textAlign = "left"
-  pen.textBaseline = "middle"
-  texts.forEach((text, i) => pen.fillText(text, at + 6, up + 4 + (i + 0.5) * row))
-}
-
 // A shaft with a head, from a place by (dx, dy), px
 export function arrow({ pen, ink }, [x, y], [dx, dy], of) {
   const length = Math.hypot(dx, dy)

@@ -1,14 +1,14 @@
 // Which run is on screen, and its playing and scrubbing, without asking the server.
 
 import { heard } from "./channel.js"
-import { by } from "./dom.js"
+import { by, closest } from "./dom.js"
 import { unpackLater } from "./packed.js"
 import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
 import { AFTER, firstOfPath } from "./sentence.js"
 import { chunkFrom } from "./skeleton.js"
 import { restore, sendNext } from "./steer.js"
-import { declared, exact, me, now, reduced, set, touch, view } from "./store.js"
+import { declared, ended, exact, me, now, reduced, set, touch, view } from "./store.js"
 
 let coming = null // the run that takes the place of what is on screen once it is whole
 
@@ -67,8 +67,7 @@ export function follow({ acknowledged, skeleton }) {
 function showPredicted(few) {
   const { run: before } = me, U_x = before.sheared >= 0 && now() >= before.sheared ? before.curves.U_x[now()] : 0
   const chunk = chunkFrom(predicted, few, U_x), run = new Run(--count, chunk.head)
-  const near = (at) => Math.abs(chunk.columns.U_x[at] - U_x)
-  const shown = chunk.columns.U_x.reduce((best, _, at) => (near(at) < near(best) ? at : best), 0)
+  const shown = closest(chunk.columns.U_x, U_x)
   Object.assign(run, { followed: true, few })
   const { slip } = chunk.columns, every = Math.ceil(slip.length / MEASURED)
   run.add(chunk, few ? [0, shown] : [...slip.keys()].filter((k) => k % every === 0 || slip[k] || slip[k + 1]))
@@ -136,8 +135,8 @@ function advance(passed) {
   me.clock += passed
   const speed = seen === run.number ? me.speed : paceAt(run, me.at, me.speed)
   me.at += (passed * speed) / size
-  const ended = run.stored || run.followed || ["finished", "skipped", "failed"].includes(me.status.state)
-  if (ended && me.at > run.length - 1 + me.speed / size) { // after a second at the end
+  const whole = run.stored || run.followed || ended()
+  if (whole && me.at > run.length - 1 + me.speed / size) { // after a second at the end
     seen = run.number
     me.at = run.beginning
   }

@@ -1,12 +1,12 @@
 // The punch, its nodes and the tractions of a frame, and the ranges that hold all frames of a run.
 
-import { charts, CURVES, shareAxis } from "./charts.js"
-import { readAgain } from "./colours.js"
+import { change, charts, CURVES } from "./charts.js"
 import { settled } from "./curves.js"
 import { by } from "./dom.js"
 import { fixed } from "./quantities.js"
 import { declared, me } from "./store.js"
 
+export const BAR = 9 // px, height of the top of the layer
 const DEEP = 1.2 // nm below the sites that are in view; a punch that goes deeper has a deeper view
 const TAIL = 0.2 // of what acts may lie out of sight, where attraction is weak, before the axis grows
 const LARGER = 3 // times, at most, that a displacement sideways is drawn
@@ -82,10 +82,7 @@ export function fitFrames(run) {
   const { map, punch } = charts, { flat } = run.head, half = run.apart ? map.y.end : reach(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
-  if (others) {
-    readAgain() // other views are in sight
-    shareAxis()
-  }
+  if (others) change() // other views are in sight
   const spare = flat || others ? 0 : TAIL
   const wide = settled(punch.x.end, seen(run, half), spare), tall = settled(map.y.end, half, spare)
   map.range("y", { start: -tall, end: tall })

@@ -7,11 +7,10 @@ export const fixed = (value, places) => minus((Math.round(value * 10 ** places) 
 
 const SPOKEN = { nm: "nanometres", "N/m": "newtons per metre" }
 const DECIMALS = 4 // of a number in three digits: what is smaller is round-off
-const length = (symbol, places = 1) => ({ symbol, unit: "nm", places })
+const length = (symbol) => ({ symbol, unit: "nm", places: 1 })
 const force = (symbol) => ({ symbol, unit: "N/m" })
 const QUANTITIES = { // {symbol, unit, places: of its numbers, else three digits; given: as it was entered}
-  U_x: length("Uₓ"), delta: length("δ"), path: length("path"), x: length("x"), gap: length("gap", 2), A: length("A"),
-  F: force("F"), L: force("L"), F_s: force("Fₛ"),
+  U_x: length("Uₓ"), delta: length("δ"), A: length("A"), F: force("F"), L: force("L"), F_s: force("Fₛ"),
   E: { symbol: "E", unit: "GPa", given: true },
   delta_bar: { symbol: "δ/δ₀", unit: "", given: true },
   phi_ratio: { symbol: "φₜ/φₙ", unit: "", given: true },
@@ -35,3 +34,7 @@ export const withUnit = (name, value) => followed(number(name, value), quantityO
 export const named = (name, value) => `${quantityOf(name).symbol} = ${withUnit(name, value)}`
 // As one says it: "195 newtons per metre"
 export const spoken = (name, value) => `${number(name, value)} ${SPOKEN[quantityOf(name).unit]}`
+
+// Names of the parameters in which scenes differ, of those that both have; a number may be written as a text
+export const differing = (a, b) => Object.keys(a).filter((name) => (
+  name in b && String(a[name]) !== String(b[name]) && Number(a[name]) !== Number(b[name])))

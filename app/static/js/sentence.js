@@ -2,7 +2,7 @@
 // Each rule returns {key, text}: key names the moment, so that a sentence stays while it lasts. The test
 // tests/browser/test_sentence.py reads the text and checks it against the solver. Pure functions of runs.
 
-import { fixed, number, withUnit } from "./quantities.js"
+import { differing, fixed, number, withUnit } from "./quantities.js"
 import { WEAK } from "./run.js"
 
 export const AFTER = 1.0 // nm of the path for which a slip is what happens
@@ -210,7 +210,7 @@ const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.ab
 export function changeSentence(run, before) {
   if (!run || !before || run.filmed || run.normal !== before.normal || run.head.flat !== before.head.flat
     || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
-  const names = Object.keys(run.scene).filter((name) => `${run.scene[name]}` !== `${before.scene[name]}`)
+  const names = differing(run.scene, before.scene)
   if (names.length !== 1 || ALONE.includes(names[0])) return null
   const [name] = names, up = real(run.scene[name]) > real(before.scene[name])
   const head = CHANGES[name]?.[up ? 0 : 1] ?? "With this change"
@@ -258,14 +258,14 @@ function lifted(run, before, head) {
 function because(run, before, now, then) {
   const steep = now.F / now.U, was = then.F / then.U, stronger = now.F > then.F, { flat } = run.head
   const start = run.curves.A[run.sheared], area = before.curves.A[before.sheared]
-  const differing = (name) => Number(run.scene[name]) - Number(before.scene[name])
-  const along = (name, more) => (more ? differing(name) > 0 : differing(name) < 0)
+  const change = (name) => Number(run.scene[name]) - Number(before.scene[name])
+  const along = (name, more) => (more ? change(name) > 0 : change(name) < 0)
   const reasons = [ // whether there is more of something, whether that explains the change, words for more and for less
     [steep > was, differs(steep, was) && along("E", steep > was),
       "every nanometre of pull builds up more force", "every nanometre of pull builds up less force"],
     [stronger, flat && along("delta_bar", stronger),
       "closer together, its springs hold on more firmly", "farther apart, its springs hold on less firmly"],
-    [start > area, !flat && differing("delta_bar") && differs(start, area) && start > area === stronger,
+    [start > area, !flat && change("delta_bar") && differs(start, area) && start > area === stronger,
       "there is more contact to hold it", "there is less contact to hold it"],
     [stronger, differs(now.F, then.F) && along("phi_ratio", stronger),
       "the springs hold longer", "the springs give way sooner"],

@@ -28,10 +28,9 @@ const CELLS = {
 }
 let connected = false
 
-const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;")
 // HTML that shows a link in a page of somebody else's
 const frameOf = (link) =>
-  `<iframe src="${escaped(link)}${link.includes("?") ? "&amp;" : "?"}embed=1" width="960" height="600"></iframe>`
+  make("iframe", { src: `${link}${link.includes("?") ? "&" : "?"}embed=1`, width: 960, height: 600 }).outerHTML
 
 // Views that are on screen: [name, title]
 const views = () => Object.entries(charts).flatMap(([name, { view }]) => (

@@ -1,8 +1,8 @@
-// The controls as they show the parameters: sliders with their marks, entries and their errors.
+// The controls as they show the parameters: sliders with their marks, entries and their errors, and the drawer.
 
-import { by, closest, make, makeButton, say } from "./dom.js"
+import { by, closest, make, makeButton, on, say } from "./dom.js"
 import { digits, minus } from "./quantities.js"
-import { declared, me } from "./store.js"
+import { declared, me, memory, view } from "./store.js"
 
 // A slider at the position nearest to a value
 export function place(name, value) {
@@ -44,12 +44,10 @@ function describe(name, value, error, before) {
 const APART = [0.2, 64] // of a slider, and px, between two labels, at least
 const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark, so that it stays on the slider
 
-let drawn = "" // the marks on screen, as JSON
+const drawn = memory()
 
 export function drawMarks(marks) {
-  const text = JSON.stringify(marks ?? {})
-  if (text === drawn) return
-  drawn = text
+  if (!drawn(JSON.stringify(marks))) return
   for (const name in declared.positions) draw(name, marks[name] ?? [], declared.positions[name])
 }
 
@@ -84,4 +82,42 @@ function goThere(slider, position) {
 function partAt(value, values) {
   const above = Math.max(1, values.findIndex((v) => v >= value)), below = above - 1
   return (below + (value - values[below]) / (values[above] - values[below])) / (values.length - 1)
+}
+
+// The drawer of all parameters: shows those that apply to the surface and the path on screen, finds, and restores
+export function connectDrawer() {
+  view(["status"], fillDrawer)
+  on("parameters", "click", openDrawer)
+  on("find", "input", fillDrawer)
+  on("drawer", "close", () => by("menu").focus())
+  for (const button of document.querySelectorAll(".restore")) {
+    button.addEventListener("click", () => {
+      const entry = by(`${button.dataset.name}-entry`)
+      entry.value = declared.usual[me.status.preset][button.dataset.name]
+      entry.dispatchEvent(new Event("change"))
+      entry.focus()
+    })
+  }
+}
+
+function openDrawer() {
+  if (by("drawer").open) return by("drawer").close()
+  by("drawer").show()
+  if (matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView() // where it is in sight
+  fillDrawer()
+}
+
+function fillDrawer() {
+  const { values, preset } = me.status, sought = by("find").value.trim().toLowerCase()
+  if (!values || !by("drawer").open) return
+  const applies = ({ dataset }) =>
+    ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
+  for (const row of document.querySelectorAll("#drawer .row")) {
+    row.hidden = sought ? !`${row.textContent} ${row.dataset.also}`.toLowerCase().includes(sought) : !applies(row)
+  }
+  for (const group of document.querySelectorAll("#drawer > fieldset"))
+    group.hidden = !group.querySelector(".row:not([hidden])")
+  for (const button of document.querySelectorAll(".restore")) {
+    button.hidden = `${values[button.dataset.name]}` === `${declared.usual[preset][button.dataset.name]}`
+  }
 }

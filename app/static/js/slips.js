@@ -1,5 +1,6 @@
 // Friction over load: the first slip of every computed run that this visitor has seen.
 
+import { differing } from "./quantities.js"
 import { firstOfPath } from "./sentence.js"
 import { exact, me, view } from "./store.js"
 
@@ -12,13 +13,13 @@ let read = null // the run read last
 export const connectSlips = () => view(["run", "status"], () => { if (me.run) collect(me.run) })
 
 // Take in the first slip of a run, unless its scene has a point
-export function collect(run) {
+function collect(run) {
   if (run === read || !run.whole || !exact(run)) return
   read = run
   const slip = firstOfPath(run), { scene, abscissa } = run.head
   if (!slip) return
   if (abscissa === "path") Object.assign(slip, { stage: run.leg(slip.at), U: run.curves.U_x[slip.at] })
-  const key = JSON.stringify(scene), names = last ? Object.keys(scene).filter((name) => differ(name, scene)) : []
+  const key = JSON.stringify(scene), names = last ? differing(scene, last.scene) : []
   const known = points.find((point) => point.key === key)
   // the first one belongs to the depths, along which friction changes with the load
   const changed = !last ? "delta_bar" : names.length === 1 ? names[0] : null
@@ -31,8 +32,6 @@ export function addSwept(slip) {
   const key = JSON.stringify(slip.scene)
   if (!points.some((point) => point.key === key)) points.push({ key, ...slip, changed: "delta_bar" })
 }
-
-const differ = (name, scene) => `${scene[name]}` !== `${last.scene[name]}`
 
 // Runs to come are compared with the run seen last, as before
 export const clear = () => { points.length = 0 }

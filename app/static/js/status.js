@@ -4,13 +4,11 @@
 import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, outdated } from "./channel.js"
 import { by, on, say, tell } from "./dom.js"
-import { fixed, minus, named } from "./quantities.js"
+import { differing, fixed, minus, named } from "./quantities.js"
 import { describeAll, drawMarks } from "./sliders.js"
 import { sendNext } from "./steer.js"
-import { alone, declared, me, view } from "./store.js"
-import { inWords } from "./words.js"
-
-const ENDED = ["finished", "skipped", "failed"] // states of a run that goes no further
+import { alone, declared, ended, me, view } from "./store.js"
+import { changedIn, inWords, titleOf } from "./words.js"
 
 export function connect() {
   on("skip", "click", () => order("skip"))
@@ -29,8 +27,7 @@ export function heard(news) {
   sendNext()
   if (me.waiting.length) return // it was sent before the server heard of another scene
   if (me.status.frames !== old.frames || me.status.run !== old.run) newsAt = performance.now()
-  const { state, frames } = me.status
-  if (ENDED.includes(state) && me.run && frames === me.run.length) {
+  if (ended() && me.run && me.status.frames === me.run.length) {
     by("scrub").max = me.run.length - 1
     if (me.following && me.playing) me.at = me.run.beginning
     me.following = false
@@ -47,8 +44,7 @@ function tellScene() {
     describeAll(status, described?.values)
     described = status
     namePreset()
-    const look = presetText()
-    tell(by("look"), look)
+    tell(by("look"), presetText())
   }
   if (status.frames > 0 && !me.dragging) writeAddress()
 }
@@ -72,21 +68,14 @@ function asked() {
   return Object.assign({}, me.status.values, newer, ...changes, me.entered)
 }
 
-// Names of the parameters in which a run is not what the controls say
-function differing(run, wanted = asked()) {
-  const { scene } = run
-  const other = (name) => String(scene[name]) !== String(wanted[name]) && Number(scene[name]) !== Number(wanted[name])
-  return Object.keys(scene).filter((name) => name in wanted && other(name))
-}
-
 // Whether a run that pixels come from is not that of the numbers beside them. While a slider is held predictions follow
 // it, and say so; without a server the words do
 const outOfDate = (run) => Boolean(run) && !me.lost && !(me.dragging && run.followed)
-  && (differing(run).length > 0 || restoring())
+  && (differing(run.scene, asked()).length > 0 || restoring())
 const restoring = () => me.waiting.some(({ what }) => what !== "scene")
 
 function checkTruth() {
-  const names = me.run ? differing(me.run) : []
+  const names = me.run ? differing(me.run.scene, asked()) : []
   me.stale = Boolean(me.run) && (names.length > 0 || restoring())
   const values = names.slice(0, SAID).map((name) => named(name, me.run.scene[name])).join(", ")
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
@@ -94,23 +83,19 @@ function checkTruth() {
   Object.assign(document.querySelector(".page").dataset, { mixed, stale })
 }
 
-const changes = () => Object.keys(me.status.address).filter((name) => !["preset", "profile"].includes(name))
-
 // The menu, which says so where the scene is no longer that of the preset; choosing the preset then brings it back
 function namePreset() {
-  const menu = by("preset"), { preset } = me.status
-  const title = menu.querySelector(`[value="${preset}"]`).textContent
-  menu.options[0].textContent = `${title} – changed`
-  menu.value = changes().length ? "" : preset
+  const menu = by("preset"), { preset, address } = me.status
+  menu.options[0].textContent = `${titleOf(preset)} – changed`
+  menu.value = changedIn(address).length ? "" : preset
   for (const radio of document.querySelectorAll("#row input")) radio.checked = radio.value === menu.value
 }
 
 // What to look for, where the scene is still that of the preset
 function presetText() {
   const { preset, address } = me.status
-  const changed = changes()
-  const listed = changed.map((name) => `${inWords(name)} = ${minus(address[name])}`).join(", ")
-  return changed.length ? `changed: ${listed}` : declared.looks[preset]
+  const changed = changedIn(address).map((name) => `${inWords(name)} = ${minus(address[name])}`)
+  return changed.length ? `changed: ${changed.join(", ")}` : declared.looks[preset]
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped

@@ -30,9 +30,6 @@ const fields = {
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 
-// Paint what has been filled into charts, soon
-export const repaint = () => schedule()
-
 const views = [], frames = [] // {draw, due}
 const watchers = Object.fromEntries(Object.keys(fields).map((name) => [name, []])) // {field: those that watch it}
 
@@ -128,6 +125,9 @@ export function memory() {
 
 // The increment played at, of the run on screen; -1 before there is any
 export const now = () => Math.min(Math.floor(me.at), (me.run?.length ?? 0) - 1)
+
+// Whether the run of the last status goes no further
+export const ended = () => ["finished", "skipped", "failed"].includes(me.status.state)
 
 // Whether a run was computed, and does not follow a held slider
 export const exact = (run) => Boolean(run) && !run.followed && !run.stored

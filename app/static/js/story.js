@@ -4,17 +4,15 @@ import { charts } from "./charts.js"
 import { by, tell } from "./dom.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, inks, line, size, write } from "./pen.js"
-import { drawnFrame } from "./punch.js"
+import { BAR, drawnFrame } from "./punch.js"
 import { fixed, withUnit } from "./quantities.js"
-import { changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
-import { exact, me, sees } from "./store.js"
+import { AFTER, changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
+import { exact, me, memory, sees } from "./store.js"
 
 const REST = 46 // px, a drive that is not stretched
 const TURNS = 12 // of its spring
 const LINES = 24 // of the mesh in the body, from the surface to the top
-const BAR = 9 // px, height of the top of the layer
 const ARROW = 90 // px, the longest
-const MARKED = 1.0 // nm of the path for which a slip stays marked
 const NARROW = 440 // px, for text of 13 px: in a narrower view words are few
 const LENS = 0.5 // of the width, beyond which the lens does not reach as the page opens
 const WIDE = 52 // times the size of the text, from which there is room for whole sentences
@@ -23,7 +21,7 @@ const PATCHES = 8 // with a bracket each; more are described in words
 // Draw over the punch everything that belongs to the picture
 export function drawStory(pen, box) {
   if (!me.picture) return
-  const { run, k } = me.picture, { X, Y } = box, frame = drawnFrame(run, k), slip = run.slipBefore(k, MARKED)
+  const { run, k } = me.picture, { X, Y } = box, frame = drawnFrame(run, k), slip = run.slipBefore(k, AFTER)
   const view = { narrow: box.width < (NARROW * size()) / 13, pen, box, X, Y, frame, run, k, slip, ink: inks() }
   if (run.head.flat) drawLattice(view)
   else {
@@ -160,7 +158,7 @@ function drawFriction(view, left, right, y) {
 function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   const moved = run.moved(slip), shift = run.headOf(k).first - run.headOf(slip).first
   pen.lineCap = "round"
-  pen.globalAlpha = 0.4 * (1 - ((k - slip) * run.head.step) / MARKED) // nodes are seen through it
+  pen.globalAlpha = 0.4 * (1 - ((k - slip) * run.head.step) / AFTER) // nodes are seen through it
   let stretch = []
   for (let i = 0; i <= frame.x.length; i++) {
     if (i in frame.x && moved[i + shift]) stretch.push([X(frame.drawn[i]), Y(frame.gap[i])])
@@ -169,7 +167,8 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
   pen.globalAlpha = 1
 }
 
-let sentence = { key: "", text: "", k: 0, since: -Infinity }, compared = [] // on screen; the runs last compared
+const compared = memory() // the runs
+let sentence = { key: "", text: "", k: 0, since: -Infinity } // on screen
 
 // The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
 export function tellNow(run, k) {
@@ -178,9 +177,7 @@ export function tellNow(run, k) {
   tell(by("sentence"), said.text)
   by("slow").hidden = !exact(run) || run.slipBefore(k) === null
   sentence = said
-  const wanted = [run, me.ghost, run.whole]
-  if (wanted.every((what, i) => what === compared[i])) return
-  compared = wanted
+  if (!compared(run, me.ghost, run.whole)) return
   const changed = changeSentence(run, me.ghost)?.text ?? ""
   tell(by("why"), changed)
   by("announcement").textContent = changed // the text on the run before is out of date

@@ -4,15 +4,15 @@ import { sceneChanges } from "./address.js"
 import { order } from "./channel.js"
 import { charts, CURVES } from "./charts.js"
 import { by, make, makeButton, readdress, tell } from "./dom.js"
+import { drawSprings } from "./lens.js"
 import { openPage } from "./pages.js"
 import { goto, play } from "./player.js"
-import { fixed, minus } from "./quantities.js"
+import { differing, fixed, minus } from "./quantities.js"
 import { firstSlip } from "./sentence.js"
 import { restore } from "./steer.js"
 import { exact, frame, me, redraw, set, view } from "./store.js"
-import { drawSprings } from "./tour/springs.js"
 import { ownStop, slipValue, STOPS } from "./tour/stops.js"
-import { choose, lettersAreKeys } from "./view.js"
+import { choose } from "./view.js"
 import { inWords } from "./words.js"
 
 const { dataset } = document.documentElement
@@ -96,15 +96,12 @@ function left() {
 function makeCard() {
   const made = make("section", { id: "tour-card", "aria-label": "Tour" })
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  document.addEventListener("keydown", onDigit)
   document.querySelector(".views").append(made)
   view(["status", "run", "lost", "stale", "drawn"], watch)
   frame(["drawn", "run", "look"], hideFuture)
   frame(["look"], drawReason)
   return made
 }
-
-const figureOf = (name) => document.querySelector(`.view[data-view="${name}"]`)
 
 // A scene is asked for, and its future hidden until the prediction is made
 function begin() {
@@ -123,12 +120,10 @@ const pick = (count) => Math.floor((me.lesson ? parseInt(me.lesson.code, 36) : M
 const wanted = () => ({ ...here().values, ...unseen?.values })
 const asTexts = (values) => Object.fromEntries(Object.entries(values).map(([name, value]) => [name, `${value}`]))
 
-const same = (a, b) => `${a}` === `${b}` || Number(a) === Number(b) // of values, or their texts
-
 // Whether the server is at the scene of the stop
 const atStop = () => {
   const { preset, values } = me.status
-  return preset === here().preset && Object.entries(wanted()).every(([name, value]) => same(values[name], value))
+  return preset === here().preset && !differing(wanted(), values).length
 }
 const ready = () => me.status.state === "finished" && atStop() && me.run?.whole && exact(me.run)
   && !me.stale
@@ -207,7 +202,7 @@ function show() {
 }
 
 const curtains = {}
-const curtain = (name) => curtains[name] ??= figureOf(name).appendChild(make("div", { className: "future" }))
+const curtain = (name) => curtains[name] ??= charts[name].view.appendChild(make("div", { className: "future" }))
 
 // What lies ahead of the increment shown stays hidden until it is the visitor's turn: it answers later stops
 function hideFuture() {
@@ -307,15 +302,6 @@ function answerButton(i) {
     made.style.setProperty("--part", counts[i] / Math.max(1, answered))
   }
   return made
-}
-
-// 1 to 3 choose an answer
-function onDigit(event) {
-  const place = ["Digit1", "Digit2", "Digit3"].indexOf(event.code), i = here().order[place]
-  if (place < 0 || !lettersAreKeys() || phase !== "ask" || card.hidden || event.ctrlKey || event.metaKey
-    || event.target.matches?.("input[type=text]")) return
-  event.preventDefault()
-  answer(i)
 }
 
 // Sliders and player are the visitor's, who begins at that of the stop

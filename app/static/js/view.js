@@ -22,7 +22,7 @@ export function seeMore() {
   settle()
 }
 
-// Whether single letters, digits and signs do something. Those who dictate may switch them off, for good
+// Whether single letters and signs do something. Those who dictate may switch them off, for good
 export const lettersAreKeys = () => by("letters").checked
 
 const projected = () => dataset.view === "projector"
@@ -74,9 +74,4 @@ export function chooseNext() {
   if (!sees("more")) return
   const { chosen } = document.querySelector("main").dataset
   choose(CURVES[(CURVES.indexOf(chosen) + 1) % CURVES.length])
-}
-
-export function fillScreen() {
-  if (document.fullscreenElement) document.exitFullscreen()
-  else document.documentElement.requestFullscreen?.().catch(() => {}) // a browser may refuse: nothing is lost
 }

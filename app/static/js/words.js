@@ -2,25 +2,24 @@
 
 import { isShown } from "./colours.js"
 import { by, tell } from "./dom.js"
-import { digits, fixed, named, spoken, withUnit } from "./quantities.js"
+import { fixed, named, spoken, withUnit } from "./quantities.js"
 import { me } from "./store.js"
-
-// Words about the axis of the area where it does not begin at zero
-export const tellStart =
-  (from) => { by("area-from").textContent = from > 0 ? `axis begins at ${digits(from, 2)} nm` : "" }
 
 const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
 export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
+
+export const titleOf = (preset) => document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
+
+// Names of the parameters in which a scene, as an address has it, differs from its preset
+export const changedIn = (address) => Object.keys(address).filter((name) => !["preset", "profile"].includes(name))
 
 const MAIN = ["delta_bar", "phi_ratio", "E"]
 
 // Parameters of the scene on screen: the preset, those with a slider, and what differs from the preset
 export function parameters({ values, address, preset } = me.status) {
-  const others = Object.keys(address).filter((name) => !["preset", "profile", ...MAIN].includes(name))
-  const title = document.querySelector(`#preset option[value="${preset}"]`)?.textContent ?? preset
-  const changed = others.length || MAIN.some((name) => name in address)
-  const text = [...MAIN, ...others].map((name) => named(name, values[name])).join(", ")
-  return `${title}${changed ? ", changed" : ""}: ${text}`
+  const changed = changedIn(address), names = new Set([...MAIN, ...changed])
+  const text = [...names].map((name) => named(name, values[name])).join(", ")
+  return `${titleOf(preset)}${changed.length ? ", changed" : ""}: ${text}`
 }
 
 // What happens on screen, for those who hear the page: the sentence, and the numbers

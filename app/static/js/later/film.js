@@ -2,9 +2,9 @@
 
 import { charts } from "../charts.js"
 import { order, take } from "../channel.js"
-import { by, on } from "../dom.js"
+import { by } from "../dom.js"
 import { inks, line, size, write } from "../pen.js"
-import { goto, toggle } from "../player.js"
+import { goto } from "../player.js"
 import { unpackLater } from "../packed.js"
 import { Run } from "../run.js"
 import { exact, frame, me, now, redraw, view } from "../store.js"
@@ -73,7 +73,6 @@ function receive({ why, ...chunk }) {
   film.frames.add(chunk)
   if (!film.frames.whole) return
   film.before = performance.now()
-  useScrub(film.frames.length - 1 - film.k, "State of the slip shown")
   me.film = { run: film.frames, k: film.k, paused: false }
   widenForces(film.frames.curves.F)
   charts.forces.parts.motion = { kind: "drawing", draw: drawTrace }
@@ -99,22 +98,8 @@ function step(time) {
   requestAnimationFrame(step)
 }
 
-// The slider of the run is that of the motion meanwhile: where it is put, the motion rests
-function seek({ target }) {
-  if (!me.film) return
-  film.clock = ((Number(target.value) + 0.5) / (film.frames.length - film.k)) * SECONDS
-  if (!me.film.paused) toggle()
-}
-
-function useScrub(most, label) {
-  on("scrub", "input", seek) // once: it is the same function
-  by("scrub").max = most
-  by("scrub").setAttribute("aria-label", label)
-}
-
 function followFilm() {
   if (!film?.frames) return
-  by("scrub").value = me.film.k - film.k
   tell("slow motion")
   charts.forces.changed = true
 }
@@ -146,7 +131,6 @@ function leave() {
   delete charts.forces.parts.motion
   if (film.axis) charts.forces.range("y", film.axis)
   film = null
-  useScrub(me.run.length - 1, "Increment shown")
   tell("")
   me.film = null
   redraw()

@@ -89,7 +89,7 @@ function along(run, over, name, { from, to }) {
   } }
 }
 
-const largest = (list) => list.reduce((most, v) => Math.max(most, Math.abs(v)), 0)
+export const largest = (list) => list.reduce((most, v) => Math.max(most, Math.abs(v)), 0)
 
 // A curve over a run: legs, the segments with the run along their stages; null where the run has none for one of them
 export function laidOver(curve, run) {

@@ -1,25 +1,22 @@
 // The visitor's measured curve over the run on screen, with the setting of the instrument. Loaded with the first file.
 
-import { order, take } from "../channel.js"
-import { Chart } from "../chart.js"
-import { charts } from "../charts.js"
-import { by, keepForTab, make, makeButton, say } from "../dom.js"
+import { order, take, tooLarge } from "../channel.js"
+import { addChart, charts, line } from "../charts.js"
+import { NARROW } from "../curves.js"
+import { by, make, makeButton, say } from "../dom.js"
 import { digits, fixed } from "../quantities.js"
 import { enter } from "../steer.js"
 import { frame, me, memory, redraw, sees, view } from "../store.js"
 import { choose as chooseCurve, seeMore } from "../view.js"
-import { laidOver, mainOf, pointsOf } from "./measured.js"
+import { laidOver, largest, mainOf, pointsOf } from "./measured.js"
 
-const LARGEST = 2e6 // bytes of a file, as the server
 const WIDEST = 10 // times that the handle of the scale reaches, either way
 const DRAWN = 150 // points at most: more of them hide the run
 const PARTS = { F: "forces", L: "forces", A: "area" } // the chart of a quantity
 const PLAIN = { scale: 1, zero: 0, shift: 0 }
 const ASKED = { speed: "speed (nm/s)", force: "N/m per unit of the force" } // what a file may not say
-const NARROW = 0.5 // of the largest area: where it stays above, the axis does not begin at zero
 const TIP = "A tip is three-dimensional, the model is plane strain: compare forces as ratios."
 let file = null // {name, content} as read last
-const KEPT = "measured curve" // in the tab: its name, when the connection is lost, for main.js
 
 // The path that has all stages of a curve, where the run has not
 const pathOf = ({ kind }) => (kind === "load" ? "unload" : kind === "loop" ? "loop" : "shear")
@@ -30,7 +27,7 @@ export async function read(given) {
   by("laid").hidden = false
   file = { name: given.name, content: await given.arrayBuffer() }
   if (me.lost) return refuse("the server does not answer; choose it again when it does")
-  if (given.size > LARGEST) return refuse(`it has ${(given.size / 1e6).toFixed(1)} MB; allowed: 2 MB; leave out points`)
+  if (tooLarge(given)) return refuse(`it has ${tooLarge(given)}; leave out points`)
   if (!given.size) return refuse("it is empty; choose a file with columns such as U_x (nm) and F (N/m)")
   return send()
 }
@@ -98,7 +95,6 @@ function place(set, more) {
 }
 
 const at = (id) => by(id).value / 100 // of a handle
-const largest = (list) => list.reduce((most, v) => Math.max(most, Math.abs(v)), 0)
 
 // What the handles say, from the setting of the last match
 function turn() {
@@ -141,11 +137,9 @@ function drawRelation(run) {
   const { laid } = me, over = laid?.curve.over, there = over === "F" || over === "L"
   by("laid").querySelector("figure").hidden = !there
   if (!there) return
-  charts.relation ??= new Chart(by("laid").querySelector(".view"), { x: { start: 0, end: 1 }, y: { start: 0, end: 1 },
-    across: "", up: "A (nm)", parts: {
-      A: { kind: "line", ink: "--area", width: 2, x: [], y: [] },
-      laid_A: { ...charts.area.parts.laid_A },
-    } })
+  if (!charts.relation)
+    addChart("relation", { x: { start: 0, end: 1 }, y: { start: 0, end: 1 }, across: "", up: "A (nm)",
+      parts: { A: line("--area", { width: 2 }), laid_A: { ...charts.area.parts.laid_A } } })
   const { from, to } = run.part(over === "L"), chart = charts.relation
   const points = pointsOf(laid.curve, "A", run, laid.set)
   const slip = run.curves.slip.findIndex((slipped, k) => slipped && k >= from)
@@ -224,5 +218,4 @@ function connect() {
   take("measured", receive)
   frame(["charted", "run", "laid", "approach", "look"], draw)
   view(["status"], () => { if (me.laid) describe() })
-  view(["lost"], () => { if (me.lost && me.laid) keepForTab(KEPT, me.laid.name) })
 }
