@@ -414,10 +414,10 @@ def test_every_parameter_of_a_scene_is_told_with_its_value_also_where_that_is_a_
     names = list(asdict(Scene()))
     told = tab.evaluate(
         """(names) => import("http://scripts/js/quantities.js").then(({ named }) => (
-            names.map((name) => named(name, "loop"))))""",
+            names.map((name) => named(name, "xu-needleman"))))""",
         names,
     )
-    assert not [text for text in told if " = loop" not in text]
+    assert not [text for text in told if " = xu-needleman" not in text]
 
 
 COUNTED = """async (now) => {

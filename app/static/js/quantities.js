@@ -1,7 +1,8 @@
 // Every quantity in one table: its symbol, its unit, in words as well, and how its numbers are written. Forces are per
 // metre of depth.
 
-export const minus = (text) => `${text}`.replace("-", "−")
+// A number, or a word, as a page writes it
+export const minus = (text) => `${text}`.replace(/-(?=\d)/g, "−")
 export const digits = (value, count = 3) => minus(Number(value.toPrecision(count)))
 export const fixed = (value, places) => minus((Math.round(value * 10 ** places) / 10 ** places).toFixed(places))
 

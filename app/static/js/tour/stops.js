@@ -88,8 +88,7 @@ export const STOPS = [
     hints: ["A punch sticks like a spring until its springs to the sites give way.",
       "Before that its edges peel, behind more than in front.",
       "A slip by one site brings contact back.", "Adhesion alone can carry friction, without any load."],
-    question: "Now a scene that you have not seen: {change}. "
-      + "Will it slip after a shorter or a longer pull than {before} nm?",
+    question: "Now {change}, unseen so far. Does it slip after a shorter or a longer pull than {before} nm?",
     answers: ["shorter", "longer", "the same, to a tenth of a nanometre"],
     why: "It slips at {after} nm instead of {before} nm. {reason}",
     turn: "delta_bar",
