@@ -102,9 +102,14 @@ class Caller:
         return Lost("crash", f"the process ended with exit code {self.process.exitcode}")
 
     def stop(self) -> None:
-        """End a call of a generator at its next item: its result is then None. Other calls go on."""
-        with suppress(OSError), self._sending:
-            self._pipe.send_bytes(STOP)
+        """End a call of a generator at its next item: its result is then None. Other calls go on.
+
+        It waits for nothing: a call that is just being sent does not hear of it.
+        """
+        if self._sending.acquire(blocking=False):
+            with suppress(OSError):
+                self._pipe.send_bytes(STOP)
+            self._sending.release()
 
     def end(self) -> None:
         """Kill the process, whatever it does; a call in progress raises Lost."""
