@@ -1,7 +1,7 @@
 """Browser history, and addresses that restore scene, increment and page."""
 
 import pytest
-from served import FAULTS, PARABOLA, PLAYING, enter, from_menu, laid_out, values_are
+from served import FAULTS, PARABOLA, PATIENCE, PLAYING, enter, from_menu, laid_out, values_are
 
 pytestmark = pytest.mark.thorough
 
@@ -97,3 +97,17 @@ def test_an_embedded_page_hides_header_and_pages_and_nothing_else(visit):
         assert not page.evaluate(FAULTS), (width, height)
     enter(page, "delta_bar", "0.12")
     values_are(page, delta_bar=0.12)
+
+
+def test_back_closes_a_page_also_before_the_server_has_answered(server, browser):
+    page, errors = browser.new_page(reduced_motion="reduce"), []
+    page.on("pageerror", lambda error: errors.append(error))
+    page.route("**/bokeh.min.js", lambda route: None)  # so that nothing connects
+    page.goto(server.address, wait_until="commit")
+    page.wait_for_function("window.punch?.run?.stored && !punch.fresh", timeout=PATIENCE)
+    from_menu(page, "nav [data-page=law]")
+    page.locator("#law").wait_for()
+    page.evaluate("history.back()")
+    page.locator("#law").wait_for(state="hidden")
+    assert not errors
+    page.close()

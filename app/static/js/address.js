@@ -52,7 +52,7 @@ function asked() {
   return /^\d+$/.test(text ?? "") ? Number(text) : null
 }
 
-const sceneNames = () => ["preset", "profile", ...Object.keys(me.status.values)]
+const sceneNames = () => ["preset", "profile", ...Object.keys(Object.values(declared.usual)[0])]
 
 // Parameters of an address that make up the scene
 export function sceneOf(search) {
