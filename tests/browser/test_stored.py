@@ -136,8 +136,11 @@ def test_a_stored_run_is_on_screen_before_bokeh_is_there(server, browser):
     page.route("**/bokeh.min.js", lambda route: held.append(route))
     page.goto(server.address, wait_until="commit")
     page.wait_for_function("window.punch?.run?.stored && !punch.fresh", timeout=PATIENCE)
+    offered = "['take', 'pin'].map((id) => !document.getElementById(id).disabled)"
+    assert page.evaluate(offered) == [False, False]  # they need what the server says of the scene
     held[0].continue_()
     finished(page)
+    assert page.evaluate(offered) == [True, True]
     page.close()
 
 
