@@ -36,7 +36,7 @@ OPEN = (
     " Use it in a trusted network only, or use tls://"
 )
 STOPS = 10.0  # s that a cancelled call may still take. After that its process is killed
-TRIES = 10  # times within STOPS that it is told so
+TRIES = 10  # messages within STOPS that ask for it: the first may come before the call does
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
 

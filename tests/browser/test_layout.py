@@ -52,7 +52,7 @@ OUT_OF_REACH = """() => ['#punch-view', '#sentence', '.forces .view', '#delta_ba
         part.scrollIntoView({ block: 'center' })
         const { left, right, top, bottom, width, height } = part.getBoundingClientRect()
         const x = left + width / 2, y = top + height / 2, seen = document.elementFromPoint(x, y)
-        return !seen || !(part.contains(seen) || seen.closest('.reach, #punch-view')) || left < -1
+        return !seen || !(part.contains(seen) || seen.closest('#punch-view')) || left < -1
             || right > innerWidth + 1 || y < 0 || y > innerHeight
     })"""
 
