@@ -26,7 +26,6 @@ BASE = """<!DOCTYPE html>
 </head>
 <body>{% block contents %}{% endblock %}</body></html>
 """
-MAIN = "static/js/main.js"  # as the import map names it
 FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 0; max-width: 100%"></iframe>'
 
 
@@ -36,14 +35,15 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
     if not frames:
         raise ValueError("result has no frames; allowed: at least one; compute a longer run")
     (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
-    alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(result.notes)}}
+    features = assets.scripts(alone=True)
+    alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(result.notes)}, "features": features}
     values = page.values("") | {
         "title": html.escape(title),
-        "imports": json.dumps({"imports": _scripts()}),
-        "style": "\n".join(path.read_text(encoding="utf-8") for path in sorted(assets.STATIC.glob("*.css"))),
+        "imports": json.dumps({"imports": _scripts([assets.MAIN, *features])}),
+        "style": "\n".join(assets.content(name)[0].decode() for name in assets.styles()),
         "styles": [],
         "scripts": [],
-        "main": MAIN,
+        "main": assets.MAIN,
         "values": dict.fromkeys(NAMES, ""),  # of sliders, which the file does not show
         "places": dict.fromkeys(NAMES, 0),
         "run": _address("application/octet-stream", block),
@@ -52,7 +52,7 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
     jinja = Environment(trim_blocks=True, lstrip_blocks=True)
     jinja.globals["base"] = jinja.from_string(BASE)
     jinja.globals["macros"] = jinja.from_string("{% macro embed(root) %}{% endmacro %}")
-    text = jinja.from_string("{% extends base %}\n" + page.template("")).render(values)
+    text = jinja.from_string("{% extends base %}\n" + page.template("", alone=True)).render(values)
     return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
 
 
@@ -66,15 +66,14 @@ def _address(kind, content):
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
-def _scripts():
+def _scripts(wanted):
     """Return {name: data address} of all scripts that the page needs at once. Their imports are by these names."""
     made = {}
-    for path in assets.needed(assets.HERE / MAIN):
-        named = lambda match, path=path: f'"{assets.named((path.parent / match[1]).resolve())}"'  # noqa: E731
-        text = re.sub(
-            r'(?<=from )"(\.[^"]+)"|(?<=^import )"(\.[^"]+)"', named, path.read_text(encoding="utf-8"), flags=re.M
-        )
-        made[assets.named(path)] = _address("text/javascript", text.encode())
+    for name in assets.needed(*wanted):
+        named = lambda match, name=name: f'"{assets.imported(name, match[1] or match[2])}"'  # noqa: E731
+        text = assets.content(name)[0].decode()
+        text = re.sub(r'(?<=from )"(\.[^"]+)"|(?<=^import )"(\.[^"]+)"', named, text, flags=re.M)
+        made[name] = _address("text/javascript", text.encode())
     return made
 
 

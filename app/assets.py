@@ -1,18 +1,25 @@
-"""Addresses of scripts, styles and stored runs: ./app/VERSION/static/..., where VERSION is a hash of all these files.
+"""Addresses of scripts, styles and stored runs: ./app/VERSION/NAME, where VERSION is a hash of all these files.
 
-A browser caches such an address for a year (app/web.py). Modules import each other relatively, so they come from the
-same version. All addresses are relative to the page, so a proxy may add any prefix. Files are read once: a server shows
-changed ones after its next start.
+NAME is that of a file below `static` or `features`, or STYLE: the styles of all features. A browser caches such an
+address for a year (app/web.py). Modules import each other relatively, so they come from the same version. All addresses
+are relative to the page, so a proxy may add any prefix. Files are read once: a server shows changed ones after its next
+start.
 """
 
 import gzip
 import hashlib
 import re
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
+from posixpath import normpath
+
+from app import interface
 
 HERE = Path(__file__).parent
-STATIC, PAGES = HERE / "static", HERE / "pages"
+STATIC = HERE / "static"
+STYLE = "features/style.css"
+MAIN, SCRIPT = "static/js/main.js", "features/{}/index.js"
+SERVED = {".js", ".html", ".bin"}  # endings of files of features that a browser may request
 IMPORT = re.compile(r'(?:\bfrom|^import) "(\.[^"]+)"', re.M)  # of what a script needs at once
 
 
@@ -22,37 +29,58 @@ def root(page: str) -> str:
 
 
 @cache
+def files() -> dict[str, Path]:
+    """Return {name: path} of all files that a browser may request."""
+    found = {path.relative_to(HERE).as_posix(): path for path in STATIC.rglob("*.*")}
+    found |= {f"pages/{path.parent.name}/page.js": path for path in HERE.glob("pages/*/page.js")}
+    for feature in interface.classes():
+        folder = interface.folder(feature)
+        inner = [path for path in folder.rglob("*.*") if path.suffix in SERVED]
+        found |= {f"features/{feature}/{path.relative_to(folder).as_posix()}": path for path in inner}
+    return dict(sorted(found.items()))
+
+
+@cache
 def version() -> str:
-    """Return a hash of all files that a browser requests."""
+    """Return a hash of all files that a browser may request."""
     tree = hashlib.sha256()
-    for path in sorted([*STATIC.rglob("*.*"), *PAGES.glob("*/page.js")]):
-        tree.update(f"{named(path)} {content(path)[2]}\n".encode())
+    for name in [*files(), STYLE]:
+        tree.update(f"{name} {content(name)[2]}\n".encode())
     return tree.hexdigest()[:16]
-
-
-def named(path: Path) -> str:
-    """Return the name of a file below `root`."""
-    return path.relative_to(HERE).as_posix()
 
 
 def styles() -> list[str]:
     """Return the names of all styles."""
-    return [named(path) for path in sorted(STATIC.glob("*.css"))]
+    return [name for name in files() if name.endswith(".css")] + [STYLE]
 
 
-def needed(script: Path) -> set[Path]:
-    """Return a script with all scripts that it imports at once."""
-    found, left = set(), {script}
+def scripts(alone: bool = False) -> list[str]:
+    """Return the names of the scripts of features, in their order; alone: of those in a file without a server."""
+    used = [feature for feature, made in interface.classes().items() if made.ALONE or not alone]
+    return [name for name in map(SCRIPT.format, used) if name in files()]
+
+
+def needed(*scripts: str) -> set[str]:
+    """Return the names of scripts with all that they import at once."""
+    found, left = set(), set(scripts)
     while left:
-        path = left.pop()
-        found.add(path)
-        imported = IMPORT.findall(path.read_text(encoding="utf-8"))
-        left |= {(path.parent / name).resolve() for name in imported} - found
+        name = left.pop()
+        found.add(name)
+        text = files()[name].read_text(encoding="utf-8")
+        left |= {imported(name, each) for each in IMPORT.findall(text)} - found
     return found
 
 
+def imported(by: str, name: str) -> str:
+    """Return the name of the script that the script `by` imports as `name`."""
+    return normpath((PurePosixPath(by).parent / name).as_posix())
+
+
 @cache
-def content(path: Path) -> tuple[bytes, bytes, str]:
-    """Return (content, compressed content, hash) of a file."""
-    raw = path.read_bytes()
+def content(name: str | Path) -> tuple[bytes, bytes, str]:
+    """Return (content, compressed content, hash) of a name, or of a path of another package."""
+    if name == STYLE:
+        raw = b"".join(path.read_bytes() for path in interface.files("style.css"))
+    else:
+        raw = (name if isinstance(name, Path) else files()[name]).read_bytes()
     return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]

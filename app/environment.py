@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections.abc import Iterable
 from importlib.util import find_spec
 from typing import Any
 
@@ -37,6 +38,20 @@ def scheduler(name: str) -> str | None:
     if find_spec("distributed") is None:
         raise SystemExit(f'{name} needs dask. Run pip install "mixed-mode-contact[cluster]", or leave {name} out.')
     return text
+
+
+def chosen(name: str, known: Iterable[str]) -> set[str]:
+    """Return those of the known names that are chosen: `all`, `none`, or all but some, `-lab -lesson`."""
+    text, names = os.environ.get(name, "") or "all", set(known)
+    left_out = {word[1:] for word in text.split() if word.startswith("-")}
+    if text in ("all", "none"):
+        return names if text == "all" else set()
+    if left_out and left_out <= names and len(left_out) == len(set(text.split())):
+        return names - left_out
+    raise SystemExit(
+        f"{name} is {text!r}. Set it to all, none or names to leave out, as in -{min(names)}:"
+        f" {', '.join(sorted(names))}."
+    )
 
 
 VISITORS = whole("APP_VISITORS", 10_000, 60)  # connected at a time

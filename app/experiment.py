@@ -15,7 +15,7 @@ import param
 from bokeh.document import Document
 from bokeh.models import CustomJS, Div
 
-from app import document, page
+from app import document, interface, page
 from app.document import on_loop
 from app.pages import Pages
 from app.service import metrics, tasks
@@ -37,6 +37,9 @@ from solver import Scene, SceneError
 pn.config.browser_info = False  # else every document has a component more, which tells of the browser
 log = logging.getLogger("app")
 OF_THE_RUN = "hello", "scene", "restore", "release", "skip"  # orders without which there is no run
+controls.FOR_SERVER |= interface.names("READS")
+controls.FOR_BROWSER |= interface.names("KEEPS")
+_failed: set[tuple[str, str]] = set()  # (feature, method) that the log has
 visitors = set()  # of this process; Panel's own count is late
 
 
@@ -57,13 +60,14 @@ class Experiment(param.Parameterized):
         self.sent = count(1)  # numbers messages, as a parameter that is set to what it is sends nothing
         self.acknowledged = None  # number of the last order: the browser ignores older values
         self.status = {}  # as sent last
+        self.features = {name: made(self) for name, made in interface.classes().items()}
         self.pursuit = Pursuit(self)
         self.pages = Pages(self)
         self.sharing, self.film, self.layer = Share(self), Film(self), Layer(self)
         self.marks, self.curve, self.attendance = Marks(self), MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
         parts = self, self.pursuit, self.sharing, self.film, self.layer, self.curve, self.attendance
-        self.orders = orders_of(*parts)
+        self.orders = orders_of(*parts, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
         visitors.add(self)
         metrics.count("visits")
@@ -80,8 +84,21 @@ class Experiment(param.Parameterized):
             beside = self.film, self.layer, self.marks
             for part in (self.reading, self.sharing, self.sharing.code, *beside):
                 part.cancel()
+            self.tell("close")
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.jobs.pool.in_flight)
+
+    def tell(self, what: str, *values: Any) -> list[Any]:
+        """Call a method of every feature and return the results. A failure is logged once; run and page go on."""
+        found = []
+        for name, feature in self.features.items():
+            try:
+                found.append(getattr(feature, what)(*values))
+            except Exception:
+                if (name, what) not in _failed:  # at every status it would flood the log
+                    log.exception("the feature %s failed: %s", name, what)
+                _failed.add((name, what))
+        return found
 
     def send(self, kind: str, **content: Any) -> None:
         """Set a parameter of the Stage to a dictionary, whose values are those of JSON, or bytes."""
@@ -237,6 +254,8 @@ class Experiment(param.Parameterized):
         own |= {"marks": self.marks.values}
         own |= {"compiled": (min(self.jobs.pool.compiled, KERNELS), KERNELS) if run.state == "warming" else None}
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
+        for more in self.tell("status"):
+            own |= more
         status = run.status() | own
         news = {name: value for name, value in status.items() if name not in self.status or self.status[name] != value}
         if news:

@@ -18,7 +18,7 @@ from panel.io.resources import Resources as PanelResources
 from panel.io.resources import bundle_resources
 from panel.io.state import set_curdoc
 
-from app import assets, lab, pages, schema
+from app import assets, interface, lab, pages, schema
 from app.server_log import reach
 from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from solver.presets import presets
@@ -75,20 +75,24 @@ def shared(document: Callable[[Document], None]) -> Shared:
     return Shared(re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', html), _stored(root))
 
 
-def template(sections: str) -> str:
-    """Return the page as a template of Jinja with the blocks postamble and contents; sections: its pages in HTML."""
+def template(sections: str, alone: bool = False) -> str:
+    """Return the page as a template of Jinja with the blocks postamble and contents; sections: its pages in HTML.
+
+    alone: without a server.
+    """
     page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
-    return page.replace("<!-- pages -->", sections).replace("<!-- dialogs -->", dialogs)
+    page = page.replace("<!-- sections -->", sections).replace("<!-- dialogs -->", dialogs)
+    return interface.filled(page, alone)
 
 
 def values(root: str) -> dict[str, Any]:
     """Return what the template takes; root: address of scripts and styles."""
     return {
         "root": root,
-        "main": f"{root}/static/js/main.js",
+        "main": f"{root}/{assets.MAIN}",
         "declarations": declarations(root),
         "styles": assets.styles(),
-        "scripts": sorted(map(assets.named, assets.needed(assets.STATIC / "js" / "main.js"))),
+        "scripts": sorted(assets.needed(assets.MAIN, *assets.scripts())),
         "controls": CONTROLS,
         "drawer": drawer(),
         "meaning": meaning,
@@ -106,6 +110,7 @@ def values(root: str) -> dict[str, Any]:
         "schema": schema,
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
+        **interface.declared(root),
     }
 
 
@@ -119,8 +124,7 @@ def _grouped():
 
 def _stored(root):
     """Return {preset: address of its stored run}."""
-    runs = sorted((assets.STATIC / "runs").glob("*.bin"))
-    return {path.stem: f"{root}/{assets.named(path)}" for path in runs}
+    return {path.stem: f"{root}/{name}" for name, path in assets.files().items() if path.suffix == ".bin"}
 
 
 def declarations(root: str) -> dict[str, Any]:
@@ -133,5 +137,7 @@ def declarations(root: str) -> dict[str, Any]:
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
         "reach": reach()._asdict(),
+        **interface.declared(root),
+        "features": [f"{root}/{name}" for name in assets.scripts()],
         "scripts": [name for name in pages.listed() if (pages.HERE / name / "page.js").exists()],
     }

@@ -14,7 +14,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from app import alone, page
+from app import alone, interface, page
 
 # Panel imports a component's scripts as copies, so this one only hands the model over
 SCRIPT = """
@@ -25,7 +25,11 @@ SCRIPT = """
 EMPTY, MAKE = "this Stage has no result", "make it by Stage(simulate(Scene()))"
 
 
-class Stage(JSComponent):
+# Parameters of features, which are there before the class: Panel makes its model from them
+Features = type("Features", (param.Parameterized,), interface.params())
+
+
+class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
     """The punch, its curves, its sliders and its player, drawn by app/static/js; or a Result, to be played.
 
     A visitor's browser sets the parameters of the second group, {"n": number, field: value}; `orders.read` checks each

@@ -11,7 +11,7 @@ import mimetypes
 import re
 import secrets
 from contextlib import suppress
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
@@ -21,7 +21,8 @@ from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
 from tornado.web import RequestHandler, authenticated
 
-from app.assets import PAGES, STATIC, content, version
+from app import assets
+from app.assets import content, version
 from app.environment import FRAMES, VISITORS
 from app.experiment import example
 from app.page import shared
@@ -169,7 +170,7 @@ class Page(Plain, DocHandler):
         """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
         read = FOR_SERVER | ({"theme"} if "lab" in given else set())
-        others = [name for name in given if name not in FOR_SERVER | {*FOR_BROWSER}][:STRANGE]
+        others = [name for name in given if name not in FOR_SERVER | FOR_BROWSER][:STRANGE]
         return {name: given[name] for name in given if name in read} | {name[:40]: [] for name in others}
 
     def token_for(self, arguments: dict[str, list[bytes]]) -> str:
@@ -192,8 +193,9 @@ class Page(Plain, DocHandler):
 class Files(Plain):
     """Scripts and styles from memory, compressed once. A browser caches an address with the right hash for a year."""
 
-    def initialize(self, folder: Path = STATIC, **_: Any) -> None:
-        self.folder = folder.resolve()
+    def initialize(self, folder: Path | None = None, **_: Any) -> None:
+        """folder: of another package; else the files of app/assets.py are meant."""
+        self.folder = folder and folder.resolve()
 
     def get(self, name: str, tree: str | None = None) -> None:
         """Answer with a file; tree: the hash of all files, see app/assets.py. `?v=` may give that of the file alone."""
@@ -201,7 +203,8 @@ class Files(Plain):
         if path is None:
             return self.send_error(404)
         raw, packed, self.tag = content(path)
-        kind = {".js": "text/javascript", ".css": "text/css"}.get(path.suffix) or mimetypes.guess_type(path.name)[0]
+        suffix = PurePath(name).suffix
+        kind = {".js": "text/javascript", ".css": "text/css"}.get(suffix) or mimetypes.guess_type(name)[0]
         self.set_header("Content-Type", f"{kind or 'application/octet-stream'}; charset=utf-8")
         self.set_header("Vary", "Accept-Encoding")
         known = tree == version() if tree else self.get_argument("v", "") == self.tag
@@ -213,8 +216,10 @@ class Files(Plain):
 
     head = get
 
-    def found(self, name: str) -> Path | None:
-        """Return the path of a file in the folder, or None."""
+    def found(self, name: str) -> str | Path | None:
+        """Return the name of a file of app/assets.py or the path of a file in the folder, or None."""
+        if self.folder is None:
+            return name if name in assets.files() or name == assets.STYLE else None
         with suppress(ValueError, OSError):  # a name with a null byte, or one that is too long
             path = (self.folder / name).resolve()
             return path if path.is_relative_to(self.folder) and path.is_file() else None
@@ -222,13 +227,6 @@ class Files(Plain):
 
     def compute_etag(self) -> str | None:
         return getattr(self, "tag", None) and f'"{self.tag}"'
-
-
-class Scripts(Files):
-    """Scripts of pages, from the folder of each page."""
-
-    def initialize(self, **_: Any) -> None:  # type: ignore[override]
-        super().initialize(PAGES)
 
 
 class Metrics(Plain):

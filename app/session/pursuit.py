@@ -124,6 +124,7 @@ class Pursuit:
         """Show the run of a Request, at once or after the job in progress."""
         self.requested, self.held, self.overdue, self.rested = request, request.held, False, False
         self.session.pages.scene_changed()
+        self.session.tell("requested", request.scene)
         self.wake.step()
         if self.requested is request and self.state == "exact":
             self.session.doc.add_timeout_callback(on_loop(self._time_out, request), round(1000 * PATIENCE))
@@ -220,7 +221,9 @@ class Pursuit:
         """Return the Skeleton nearest to a scene: of the open page, or of the run; None: nothing can be followed."""
         origin = (self.shown or (self.run and self.run.scene)) if self.skeleton else None
         page = self.session.pages.page
-        return (page and page.nearer(scene, origin)) or self.skeleton
+        nearer = [page.nearer(scene, origin)] if page else []
+        nearer += self.session.tell("nearer", scene, origin)
+        return next(filter(None, nearer), self.skeleton)
 
     # the exact run
 
@@ -289,6 +292,7 @@ class Pursuit:
         skeleton = result.skeleton if run.state == "finished" and isinstance(result, Frames) else None
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
         self.session.marks.seek(run.scene, skeleton)
+        self.session.tell("ended", run, skeleton)
         self.skeleton, self.shown = skeleton, None
 
     def fail_unexpectedly(self) -> None:

@@ -337,7 +337,7 @@ def test_only_scripts_that_the_page_needs_at_once_are_preloaded(address):
 def test_the_version_of_the_files_changes_with_any_of_them(monkeypatch, tmp_path):
     monkeypatch.setattr(assets, "HERE", tmp_path)
     monkeypatch.setattr(assets, "STATIC", tmp_path / "static")
-    monkeypatch.setattr(assets, "PAGES", tmp_path / "pages")
+    monkeypatch.setattr(assets, "files", assets.files.__wrapped__)
     script = tmp_path / "static" / "js" / "a.js"
     script.parent.mkdir(parents=True)
     seen = set()

@@ -10,6 +10,12 @@ globalThis.charts = charts // for the console, and for tests
 const DASHED = [6, 4]
 const SLIP = { kind: "marks", marker: "diamond", size: 9, ink: "--slip", hollow: true } // hollow: peaks stay visible
 export const none = { x: [], y: [] }
+// A further part of a chart, painted before the one named `before`, else last
+export function addPart(chart, name, part, before = null) {
+  const parts = Object.entries(charts[chart].parts), at = parts.findIndex(([other]) => other === before)
+  parts.splice(at < 0 ? parts.length : at, 0, [name, part])
+  charts[chart].parts = Object.fromEntries(parts)
+}
 export const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
 const pins = () => ({ kind: "lines", list: [] })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })

@@ -113,25 +113,6 @@ function connectDrop() {
   })
 }
 
-let theory = null // a promise of the text of the dialog *Theory*: the model and the glossary, once it was opened
-async function openTheory() {
-  by("theory").showModal()
-  try {
-    theory ??= Promise.all(["theory.html", "glossary.html"].map(fileBeside))
-    by("theory-text").innerHTML = (await theory).join("")
-  } catch {
-    theory = null
-    by("theory-text").replaceChildren("The page could not be loaded; close it and try again.")
-  }
-}
-
-// The text of a file beside the scripts
-async function fileBeside(name) {
-  const answer = await fetch(new URL(`../${name}`, import.meta.url))
-  if (!answer.ok) throw new Error(`${name}: ${answer.status}`)
-  return answer.text()
-}
-
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
   beginChange(false)
@@ -186,7 +167,6 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())
-  on("open-theory", "click", openTheory)
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

@@ -59,10 +59,24 @@ export function start() {
     kept = true
     import("./share.js")
   })
+  plugIn(declared.features)
   const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
   if (asked.has("check")) import("./later/check.js").then(({ check }) => check())
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
+}
+
+// Connect features in their order; the page goes on without one that fails. Addresses are relative to the page
+async function plugIn(names) {
+  const importing = names.map((name) =>
+    import(name.startsWith(".") ? new URL(name, document.baseURI).href : name).catch(reportError))
+  for (const feature of importing) {
+    try {
+      (await feature)?.connect()
+    } catch (error) {
+      reportError(error)
+    }
+  }
 }
 
 // The Stage (app/stage.py) is there: the websocket is open. Panel may render it again, which ends its watchers

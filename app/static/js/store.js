@@ -30,6 +30,16 @@ const fields = {
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 
+// A further field, which a feature declares
+export function declare(values) {
+  for (const name in values) {
+    if (name in fields) throw new TypeError(`the field ${name} is declared twice`)
+    fields[name] = values[name]
+    watchers[name] = []
+    defineField(name)
+  }
+}
+
 const views = [], frames = [] // {draw, due}
 const watchers = Object.fromEntries(Object.keys(fields).map((name) => [name, []])) // {field: those that watch it}
 
@@ -61,13 +71,11 @@ export function set(values) {
 }
 
 export const me = {}
-for (const name in fields) {
-  Object.defineProperty(me, name, { get: () => fields[name], set: (value) => { set({ [name]: value }) },
-    enumerable: true })
-}
+const defineField = (name) => Object.defineProperty(me, name, { get: () => fields[name],
+  set: (value) => { set({ [name]: value }) }, enumerable: true })
+Object.keys(fields).forEach(defineField)
 // whether something is not drawn yet, for tests
 Object.defineProperty(me, "fresh", { get: () => viewing || painting })
-Object.seal(me)
 globalThis.punch = me // for the console, and for tests
 
 let viewing = false, painting = false // whether either is to come
