@@ -25,7 +25,7 @@ from app.service.requests import Requests
 from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.classes import Attendance
-from app.session.extras import Film, Layer, Marks
+from app.session.extras import Film, Layer
 from app.session.measured import MeasuredCurve
 from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
@@ -64,7 +64,7 @@ class Experiment(param.Parameterized):
         self.pursuit = Pursuit(self)
         self.pages = Pages(self)
         self.sharing, self.film, self.layer = Share(self), Film(self), Layer(self)
-        self.marks, self.curve, self.attendance = Marks(self), MeasuredCurve(self), Attendance(self)
+        self.curve, self.attendance = MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
         parts = self, self.pursuit, self.sharing, self.film, self.layer, self.curve, self.attendance
         self.orders = orders_of(*parts, *self.features.values())
@@ -81,7 +81,7 @@ class Experiment(param.Parameterized):
             self.pages.close()
             self.attendance.leave()
             self.curve.forget()
-            beside = self.film, self.layer, self.marks
+            beside = self.film, self.layer
             for part in (self.reading, self.sharing, self.sharing.code, *beside):
                 part.cancel()
             self.tell("close")
@@ -251,7 +251,6 @@ class Experiment(param.Parameterized):
             "errors": self.errors,
         }
         own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
-        own |= {"marks": self.marks.values}
         own |= {"compiled": (min(self.jobs.pool.compiled, KERNELS), KERNELS) if run.state == "warming" else None}
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
         for more in self.tell("status"):

@@ -36,18 +36,21 @@ def pytest_xdist_auto_num_workers(config):
     return 0 if named(config) else int(os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS", 2))
 
 
+def in_browser(file):
+    """Whether a file has tests that need a browser: those of tests/browser, and of a feature those of its page."""
+    return file.startswith("tests/browser/") or file.endswith("/test_page.py")
+
+
 class OneBrowser(LoadFileScheduling):
     """One process has all tests of a browser, with one server; both share these where they are most of the tests."""
 
-    folder = "tests/browser/"
-
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
-        return self.folder if file.startswith(self.folder) and not self._mostly else file
+        return "browser" if in_browser(file) and not self._mostly else file
 
     @cached_property
     def _mostly(self):
-        return 2 * sum(test.startswith(self.folder) for test in self.collection) > len(self.collection)
+        return 2 * sum(in_browser(test.split("::")[0]) for test in self.collection) > len(self.collection)
 
 
 def pytest_xdist_make_scheduler(config, log):
@@ -63,10 +66,10 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(items):
-    """Tests of tests/browser are marked so; of a test marked `once` all parameters but the first are thorough."""
+    """Tests in a browser are marked so; of a test marked `once` all parameters but the first are thorough."""
     seen = Counter()
     for item in items:
-        if item.path.parent.name == "browser":
+        if in_browser(item.nodeid.split("::")[0]):
             item.add_marker(pytest.mark.browser)
         if once := item.get_closest_marker("once"):
             test = item.parent.nodeid, item.originalname

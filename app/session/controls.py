@@ -49,8 +49,7 @@ CONTROLS = (
         "Press depth",
         "δ/δ₀",
         "",
-        "Indentation: how far the punch is lowered, over δ₀ = 10 δₙ. Marks beside the slider"
-        " show where the surfaces jump into contact, and where no load is needed to hold the punch.",
+        "Indentation: how far the punch is lowered, over δ₀ = 10 δₙ.",
         _even(-1.0, 1.0, 0.01),
     ),
     Control(
@@ -58,8 +57,7 @@ CONTROLS = (
         "Friction / adhesion",
         "φₜ/φₙ",
         "",
-        "Tangential over normal work of separation: how strongly the interface resists sliding compared with opening."
-        " A mark shows above what ratio it slips; below, sliding is smooth.",
+        "Tangential over normal work of separation: how strongly the interface resists sliding compared with opening.",
         _logarithmic(0.002, 2.0, 151, 1.0),
     ),
     Control(
@@ -67,8 +65,7 @@ CONTROLS = (
         "Stiffness",
         "E",
         "GPa",
-        "Young's modulus of the punch. Soft punches stick and stretch, stiff ones hardly deform."
-        " A mark shows beyond what stiffness sliding is smooth, without slips.",
+        "Young's modulus of the punch. Soft punches stick and stretch, stiff ones hardly deform.",
         _logarithmic(10.0, 3000.0, 121, 70.0),
     ),
 )

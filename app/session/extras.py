@@ -1,6 +1,6 @@
 """Computations for a visitor beside the run on screen. Every method runs under the lock of the document.
 
-A film and the table of a layer belong to one visitor. All visitors share marks.
+A film and the table of a layer belong to one visitor.
 """
 
 from typing import Any
@@ -9,12 +9,7 @@ from app.service import tasks, worker
 from app.service.pool import HEAVY
 from app.service.requests import Requests
 from app.session import orders
-from app.session.controls import NAMES
 from app.session.orders import order
-from solver import Scene, SceneError
-from solver.analysis import marks
-from solver.following.skeleton import Skeleton
-from solver.run.load_steps import lifts
 
 LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
 GEOMETRY = ("nu", "height", "width", "nodes")  # the parameters that the table of a layer depends on
@@ -70,43 +65,3 @@ class Layer(Requests):
         if not isinstance(made, Exception):  # without a table the browser draws nothing
             counts, scale, body = made
             self.session.send("table", counts=counts, scale=scale, body=body, **head)
-
-
-def mark_calls(scene: Scene, skeleton: Skeleton | None) -> dict[str, tuple]:
-    """Return {slider: (function, *arguments)} that compute the marks, for a Scene and its Skeleton or None."""
-    made: dict[str, tuple] = {}
-    if skeleton is not None:
-        made = {name: (marks.of_skeleton, skeleton, name) for name in NAMES}
-    if scene.surface == "flat" and scene.delta_bar == 0.0 and not lifts(scene):
-        made |= {name: (marks.of_flat, scene, name) for name in marks.ENDS}
-    return made
-
-
-def _without(scene, name):
-    """Return the scene with a fixed value of a slider: what its marks depend on."""
-    try:
-        return scene.changed(**{name: 0.0 if name == "delta_bar" else marks.ENDS[name][0]})
-    except SceneError:  # the scene does not allow this value
-        return scene
-
-
-class Marks(Requests):
-    """The marks beside the sliders; `values`: {slider: ((value, label), ...)} of those found so far."""
-
-    def __init__(self, session: Any) -> None:
-        super().__init__(session, self._made)
-        self.calls, self.keys, self.values = {}, {}, {}
-
-    def seek(self, scene: Scene, skeleton: Skeleton | None) -> None:
-        """Search the unknown marks of a scene; skeleton: the Skeleton of its run, or None."""
-        self.cancel()
-        keys = {name: _without(scene, name) for name in NAMES}
-        self.values = {name: values for name, values in self.values.items() if values and keys[name] == self.keys[name]}
-        calls, self.keys = mark_calls(scene, skeleton), keys
-        self.calls = {call: name for name, call in calls.items() if name not in self.values}
-        self.add(list(self.calls))
-
-    def _made(self, call, values):
-        # a new dictionary, as what was published is compared with it
-        self.values = self.values | {self.calls[call]: () if isinstance(values, Exception) else values}
-        self.session.publish()

@@ -199,7 +199,6 @@ class Pursuit:
             return False
         if self.run and not self.run.ended:
             self.run.state = "skipped"
-        self.session.marks.cancel()  # until the next run has ended
         try:
             job = self._start(followed, skeleton, request.scene, rank=SCREEN, private=True)
             while not job.done and (self.requested is None or self.requested.held):
@@ -287,11 +286,10 @@ class Pursuit:
         return came and not (self.held and not job.heavy and run.ends_within(SOON))
 
     def _end(self, run: Run, result: Any) -> None:
-        """After a run: follow from it, and search the marks of the sliders."""
+        """After a run: follow from it, and tell the features."""
         whole = run.packed
         skeleton = result.skeleton if run.state == "finished" and isinstance(result, Frames) else None
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
-        self.session.marks.seek(run.scene, skeleton)
         self.session.tell("ended", run, skeleton)
         self.skeleton, self.shown = skeleton, None
 

@@ -1,8 +1,8 @@
-// The controls as they show the parameters: sliders with their marks, entries and their errors, and the drawer.
+// The controls as they show the parameters: sliders, entries and their errors, and the drawer.
 
-import { by, closest, make, makeButton, on, say } from "./dom.js"
+import { by, closest, on, say } from "./dom.js"
 import { digits, minus } from "./quantities.js"
-import { declared, me, memory, view } from "./store.js"
+import { declared, me, view } from "./store.js"
 
 // A slider at the position nearest to a value
 export function place(name, value) {
@@ -38,50 +38,6 @@ function describe(name, value, error, before) {
   if (fresh) entry.closest(".row")?.scrollIntoView({ block: "nearest" })
   if (!me.dragging && declared.positions[name]) place(name, value)
   if (name === "delta_bar") tellDepth(value, error)
-}
-
-// Marks beside the sliders, where the behaviour changes (solver/analysis/marks.py); a click goes there
-const APART = [0.2, 64] // of a slider, and px, between two labels, at least
-const ENDS = [0.12, 0.82] // of it, beyond which a label stands beside its mark, so that it stays on the slider
-
-const drawn = memory()
-
-export function drawMarks(marks) {
-  if (!drawn(JSON.stringify(marks))) return
-  for (const name in declared.positions) draw(name, marks[name] ?? [], declared.positions[name])
-}
-
-function draw(name, marks, values) {
-  const scale = by(name).parentElement.querySelector(".ends"), labels = []
-  const apart = Math.max(APART[0], APART[1] / (by(name).clientWidth || Infinity))
-  for (const old of scale.querySelectorAll(".mark")) old.remove()
-  const titles = marks.map(([value, label]) => `${label} at ${digits(value, 2)}`)
-  marks.forEach(([value, label], i) => {
-    const at = partAt(value, values), onclick = () => goThere(by(name), closest(values, value))
-    // those who cannot see it hear of it at the slider, which has the keyboard
-    const mark = makeButton({ className: "mark", title: `${titles[i]}: click to go there`, tabIndex: -1, onclick })
-    mark.style.left = `calc(8px + ${at} * (100% - 16px))`
-    if (labels.every((other) => Math.abs(other - at) > apart)) {
-      mark.append(make("span", {}, label))
-      const left = at > ENDS[1] ? "left" : ""
-      mark.dataset.side = at < ENDS[0] ? "right" : left
-      labels.push(at)
-    }
-    scale.append(mark)
-  })
-  by(`${name}-marked`).textContent = marks.length ? `Here: ${titles.join(", ")}.` : ""
-}
-
-// Move a slider as a hand does, and let it go
-function goThere(slider, position) {
-  slider.value = position
-  for (const type of ["input", "pointerup"]) slider.dispatchEvent(new Event(type))
-}
-
-// Part of the slider at which a value lies
-function partAt(value, values) {
-  const above = Math.max(1, values.findIndex((v) => v >= value)), below = above - 1
-  return (below + (value - values[below]) / (values[above] - values[below])) / (values.length - 1)
 }
 
 // The drawer of all parameters: shows those that apply to the surface and the path on screen, finds, and restores

@@ -5,7 +5,7 @@ import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, outdated } from "./channel.js"
 import { by, on, say, tell } from "./dom.js"
 import { differing, fixed, minus, named } from "./quantities.js"
-import { describeAll, drawMarks } from "./sliders.js"
+import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
 import { alone, declared, ended, me, view } from "./store.js"
 import { changedIn, inWords, titleOf } from "./words.js"
@@ -51,9 +51,8 @@ function tellScene() {
 }
 
 function tellNotes() {
-  const { values, marks, notes, cautions } = me.status
+  const { values, notes, cautions } = me.status
   if (!values) return
-  drawMarks(marks)
   say("notes", notes.join(" "))
   say("cautions", cautions.join(" "))
   by("caution").hidden = !cautions.length

@@ -1,9 +1,12 @@
 """Marks beside the sliders, against exact results and against separate runs."""
 
+from types import SimpleNamespace
+
 import pytest
 
+from app.features.marks.feature import Feature as Marks
+from app.features.marks.feature import mark_calls
 from app.session.controls import NAMES
-from app.session.extras import Marks, mark_calls
 from solver import Scene, follow, load_path, skeleton_of
 from solver.analysis import marks
 from solver.analysis.friction_laws import critical_modulus
@@ -102,9 +105,9 @@ def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default)
     page = Marks(Page())
     asked, published = [], []
     page.add = lambda calls: [asked.append(call[2]) or page._made(call, call[0](*call[1:])) for call in calls]
-    page.seek(Scene(), default)
+    page.ended(SimpleNamespace(scene=Scene()), default)
     assert sorted(asked) == sorted(NAMES)
     assert [len(values) for values in published] == [1, 2, 3]
     asked.clear()
-    page.seek(Scene(delta_bar=0.1), moved(default, delta_bar=0.1))
+    page.ended(SimpleNamespace(scene=Scene(delta_bar=0.1)), moved(default, delta_bar=0.1))
     assert sorted(asked) == ["E", "phi_ratio"]
