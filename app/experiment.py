@@ -25,7 +25,6 @@ from app.service.requests import Requests
 from app.service.worker import KERNELS
 from app.session import controls, orders
 from app.session.classes import Attendance
-from app.session.extras import Film, Layer
 from app.session.measured import MeasuredCurve
 from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
@@ -63,10 +62,9 @@ class Experiment(param.Parameterized):
         self.features = {name: made(self) for name, made in interface.classes().items()}
         self.pursuit = Pursuit(self)
         self.pages = Pages(self)
-        self.sharing, self.film, self.layer = Share(self), Film(self), Layer(self)
-        self.curve, self.attendance = MeasuredCurve(self), Attendance(self)
+        self.sharing, self.curve, self.attendance = Share(self), MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
-        parts = self, self.pursuit, self.sharing, self.film, self.layer, self.curve, self.attendance
+        parts = self, self.pursuit, self.sharing, self.curve, self.attendance
         self.orders = orders_of(*parts, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
         visitors.add(self)
@@ -81,8 +79,7 @@ class Experiment(param.Parameterized):
             self.pages.close()
             self.attendance.leave()
             self.curve.forget()
-            beside = self.film, self.layer
-            for part in (self.reading, self.sharing, self.sharing.code, *beside):
+            for part in (self.reading, self.sharing, self.sharing.code):
                 part.cancel()
             self.tell("close")
             visitors.discard(self)

@@ -32,18 +32,6 @@ class Curve:
     dash: str = "solid"
 
 
-@dataclass(frozen=True)
-class Stress:
-    """A stress in the punch: its choice, its symbol, and the words and colours of its negative and positive values."""
-
-    choice: str
-    symbol: str
-    below: str
-    above: str
-    below_colour: str = "--push-1"
-    above_colour: str = "--pull-1"
-
-
 NODES = {  # of the punch; frames.js assigns the states
     "repulsive": Node("touching", "dot repulsive", "circle", 5, "--repulsive"),
     "adhering": Node("attracted", "wedge", "inverted_triangle", 5, "--adhering"),
@@ -65,11 +53,6 @@ CHANGES = {  # what changed before a run, on the page "Friction over load"
     "E": Node("stiffness", "wedge", "inverted_triangle", 10, "--adhering"),
     "another": Node("another parameter", "dot contact", "square", 8, "--shear"),
     "several": Node("another experiment", "dot free", "circle", 9, "--free"),
-}
-STRESSES = {  # in the punch, beside the fringes; its shear at the surface is the traction that holds back
-    "zz": Stress("vertical stress σ_zz", "σ_zz", "squeezed", "stretched"),
-    "xx": Stress("sideways stress σ_xx", "σ_xx", "squeezed", "stretched"),
-    "xz": Stress("shear stress τ", "τ", "pulls on", "holds back", "--slip", "--shear"),
 }
 CURVES = {
     "F": Curve("friction F", "--shear"),

@@ -23,8 +23,6 @@ SCRIPT = """
     }
 """
 EMPTY, MAKE = "this Stage has no result", "make it by Stage(simulate(Scene()))"
-
-
 # Parameters of features, which are there before the class: Panel makes its model from them
 Features = type("Features", (param.Parameterized,), interface.params())
 
@@ -39,14 +37,10 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
     # what the browser shows
     run = param.Dict({}, doc="a part of a computed run: run, state, frames, body (bytes, service/packing.py)")
     skeleton = param.Dict({}, doc="a predicted run: acknowledged, body (bytes, service/skeletons.py)")
-    status = param.Dict({}, doc="of values, notes, errors, marks and progress, what has changed")
+    status = param.Dict({}, doc="of values, notes, errors and progress, what has changed")
     opened = param.Dict({}, doc="of the page that is open beside the experiment (app/pages), what has changed; or {}")
     shared = param.Dict({}, doc="what is shared: link, python, qr")
     file = param.Dict({}, doc="a run in full precision: ending, body (bytes), why")
-    slip = param.Dict({}, doc="states of the transient of a slip: frame, body (bytes); or why there are none")
-    table = param.Dict(
-        {}, doc="a table from tractions to stress in the layer: asked, geometry, depth, counts, scale, body"
-    )
     trace = param.Dict({}, doc="the profile in a file, with a question: trace, why")
     measured = param.Dict({}, doc="a measured curve: curve, key; or why the file has none")
     lesson = param.Dict({}, doc="the class of this visitor: code, stop, phase, answered, counts")
@@ -62,8 +56,6 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
     ask = param.Dict({}, doc="controls of the page that is open: what, of, x, y")
     share = param.Dict({}, doc="the Python lines and the QR code of a link: link")
     export = param.Dict({}, doc="the run as a file: kind (npz or json)")
-    film = param.Dict({}, doc="the transient of a slip: run, frame")
-    layer = param.Dict({}, doc="a table of the layer: rows, modes, depth (nm)")
     curve = param.Dict({}, doc="the file of a measured curve: content (bytes), speed (nm/s), force (N/m per unit)")
     forget = param.Dict({}, doc="keep no measured curve")
     join = param.Dict({}, doc="join a class: code, secret, was (role before)")

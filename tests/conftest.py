@@ -38,7 +38,7 @@ def pytest_xdist_auto_num_workers(config):
 
 def in_browser(file):
     """Whether a file has tests that need a browser: those of tests/browser, and of a feature those of its page."""
-    return file.startswith("tests/browser/") or file.endswith("/test_page.py")
+    return file.startswith("tests/browser/") or "/test_page" in file
 
 
 class OneBrowser(LoadFileScheduling):
@@ -149,8 +149,8 @@ def visit(server, browser):
 APP = Path(__file__).parent.parent / "app"
 RUN_OF = """() => {
     window.runOf = async (blocks) => { // the Run of packed blocks in base64
-        const { Run } = await import("http://scripts/js/run.js")
-        const { unpackLater } = await import("http://scripts/js/packed.js")
+        const { Run } = await import("http://scripts/static/js/run.js")
+        const { unpackLater } = await import("http://scripts/static/js/packed.js")
         let run = null
         for (const text of blocks) {
             const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
@@ -170,9 +170,8 @@ def tab(browser):
     kinds = {".js": "text/javascript", ".html": "text/html"}
 
     def answer(route):
-        path = route.request.url.removeprefix("http://scripts/").removeprefix("static/")
-        file = APP / path if path.startswith("pages/") else APP / "static" / path
-        body = "<!doctype html>" if path == "blank.html" else file.read_text(encoding="utf-8")
+        path = route.request.url.removeprefix("http://scripts/")
+        body = "<!doctype html>" if path == "blank.html" else (APP / path).read_text(encoding="utf-8")
         route.fulfill(body=body, content_type=kinds[Path(path).suffix])
 
     page.route("http://scripts/**", answer)

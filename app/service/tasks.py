@@ -11,14 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import segno
 
-from app.service import packing, worker
+from app.service import worker
 from app.service.caller import Lost
 from app.service.worker import Part
 from solver import LIMITS, DataError, Frame, NotConverged, Profile, Scene, advance, read_profile
 from solver.analysis.comparison import noise_in
 from solver.analysis.curve_files import read_measurement
 from solver.analysis.friction_laws import Onset, onset
-from solver.analysis.interior import transfer, wavenumbers
 from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement
 from solver.analysis.recording import KINDS
@@ -30,8 +29,6 @@ from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.profile import LONG, SteepError, read_trace
 from solver.run import slices
-from solver.run.film import through
-from solver.run.loadpath import Checkpoint, Run, deadline
 
 LONGEST_FILE = 60.0  # s of work on a file
 READING, MEMORY = 10.0, 2**30  # s and bytes for a file of a visitor
@@ -40,7 +37,6 @@ POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the
 FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
 LAID = 500  # points of a measured curve that the browser draws and compares with each picture of a drag
 DRAWN = 400  # points of a drawn curve, about one per pixel
-DECAYED = 12.0  # q z beyond which a mode is negligible: (1 + q z) exp(-q z) is 8e-5
 
 
 def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[float, ...]) -> list[float]:
@@ -129,44 +125,6 @@ def map_point(task: Any) -> tuple[Any, bytes | None]:
     """Return (Point, its pickled Skeleton or None) of a maps.Task that starts from such bytes."""
     point, skeleton = computed_point(replace(task, start=task.start and pickle.loads(task.start)))
     return point, pickle.dumps(skeleton) if skeleton else None
-
-
-def layer_table(scene: Scene, depth: float, rows: Any, modes: int) -> tuple[list[int], float, bytes]:
-    """Return (counts, scale, body): stresses in the layer per mode of the tractions, for `rows` down to `depth`, nm.
-
-    Each row is evaluated at its centre, with its first `counts` modes. body: int16 (sum of counts, 6) in units of
-    scale, row by row. Columns: sigma_xx, sigma_zz, sigma_xz of `interior.transfer`, each even then odd.
-    """
-    q, z = wavenumbers(scene, modes), (np.arange(rows) + 0.5) * (depth / rows)
-    counts = 1 + np.searchsorted(q[1:], DECAYED / z, "right")
-    height = scene.height * scene.width
-    parts = [
-        transfer(q[:n], z[r : r + 1], height, 1.0, scene.nu)[2:, :, 0].reshape(6, n).T for r, n in enumerate(counts)
-    ]
-    factors = np.concatenate(parts)
-    scale = float(np.abs(factors).max()) / 32767
-    return counts.tolist(), scale, np.rint(factors / scale).astype("<i2").tobytes()
-
-
-def slow_motion(scene: Scene, frame: int, state: Any = None) -> tuple[bytes, ...] | Part | str:
-    """Return packed blocks of the transient that led to a frame of the run; a Part; or a str: why there is none.
-
-    The run is repeated, as the browser's frames are rounded.
-    """
-    done, checkpoint = state or (0, Checkpoint())
-    run, until = Run(scene), perf_counter() + SLICE
-    try:
-        while done < frame and not checkpoint.done and perf_counter() < until:
-            _, checkpoint = run.next_frame(checkpoint, deadline(worker.SLOW))
-            done += 1
-        if checkpoint.done:
-            return f"frame = {frame}; allowed: 0 .. {done - 1}, where the run ends; choose one of them"
-        if done < frame:
-            return Part((done, checkpoint))
-        film, _ = through(scene, checkpoint, limit=worker.SLOW)
-    except NotConverged as error:
-        return str(error)
-    return packing.packed(scene, [(frame, 0.0) for frame in film], True) if film else "no branch ends here"
 
 
 class Chosen(NamedTuple):

@@ -9,14 +9,19 @@ from visitor import Page, messages, say
 from app.service import tasks, worker
 from app.session import share
 from app.session.controls import address_of, name_of, scene_from_address
-from app.session.run import Run
 from app.session.share import SCANNED, python_lines
 from solver import Profile, Scene
 from solver.presets import presets
 
 X = np.arange(128) / 128
+
+
 WAVY = Profile(600.0, 3.0 * (1.0 - np.cos(2.0 * np.pi * X)))
+
+
 ROUGH = Profile(2500.0, presets()["rough"].scene.profile)
+
+
 MEASURED = Scene(surface="measured", measured=WAVY, width=600.0, nodes=256, u_x_max=2.0)
 
 
@@ -77,16 +82,6 @@ def test_two_files_asked_for_at_once_both_come(page):
     assert all(file["body"] and not file["why"] for file in page.messages)
 
 
-def test_table_of_a_layer_belongs_to_the_run_on_screen(session):
-    sent = messages(session)
-    session.pursuit.run = Run(2, Scene(height=2.0), 500, "finished", 0.0)
-    say(session, {"do": "layer", "rows": 20, "modes": 32, "depth": 300.0})
-    (call,) = session.layer.waiting
-    assert call[1].height == 2.0
-    session.layer._answered(call, ((1, 2, 3), 1.0, b""))
-    assert sent[-1]["geometry"][1] == 2.0 and sent[-1]["asked"] == {"rows": 20, "modes": 32, "depth": 300.0}
-
-
 @pytest.mark.slow
 def test_a_finished_run_is_stored_with_its_cautions_for_all_visitors_and_dropped_by_its_own(page, pool):
     page.session.scene = Scene(nodes=4096, u_x_max=1.0, E=1000.0)
@@ -110,28 +105,6 @@ def test_python_code_of_a_preset_reproduces_its_scene(name):
     scene = presets()[name].scene
     call = python_lines(scene).split("\n")[1].removeprefix("frames = list(load_path(").removesuffix("))")
     assert eval(call, {"Scene": Scene}) == scene
-
-
-@pytest.mark.slow
-def test_motion_through_a_slip_is_sent_on_request_or_a_reason(page):
-    page.session.scene = Scene(u_x_max=12.0)
-    page.order("hello")
-    page.until("finished")
-    slips, run = page.curve("slip"), page.session.pursuit.run.number
-    k = len(slips) - 1 - int(np.argmax(slips[::-1] > 0))
-    page.order("film", run=run, frame=k)
-    page.run_scheduled(lambda: page.chunks[-1][0] == ("film", k))
-    film = page.curve("U_x")
-    assert set(page.curve("index")) == {108} or set(page.curve("index")) == {109}
-    assert len(film) > 40 and np.ptp(film) == 0.0 and film[0] == pytest.approx(10.8036, abs=1e-3)
-    page.order("film", run=run, frame=k - 5)
-    page.run_scheduled(lambda: page.messages)
-    assert page.messages.pop() == {"kind": "slip", "why": "no branch ends here"}
-    page.order("film", run=run + 1, frame=k)  # of another run than that on screen
-    assert page.messages.pop() == {"kind": "slip", "why": "the run on screen has changed; try again"}
-    page.order("film", run=run, frame=5000)
-    page.run_scheduled(lambda: page.messages)
-    assert page.messages.pop()["why"]
 
 
 def test_exports_use_the_newest_scene_while_it_waits(session):

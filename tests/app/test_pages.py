@@ -19,6 +19,8 @@ from solver.scene import PARAMETERS
 from solver.sweeps import row_of
 
 APP = Path(pages.__file__).parents[1]
+
+
 LONGEST = 120  # characters of a line, as ruff holds for Python
 
 
@@ -151,20 +153,6 @@ def test_a_page_with_nothing_of_its_own_opens_hears_what_happens_and_closes(sess
     assert session.pages.page.published["open"] == "law"
     order(session, "page", page="")
     assert session.pages.page is None
-
-
-def test_repeated_requests_for_a_layer_table_compute_it_once(session):
-    order(session, "hello")
-    for rows in (100, 60, 100, 60):
-        order(session, "layer", rows=rows, modes=100, depth=100.0)
-    made = [task for task in session.jobs.pool.tasks if task.call[0] is tasks.layer_table]
-    assert len(made) == 2 and not any(task.cancelled() for task in made)
-    for task in made:
-        task.set_running_or_notify_cancel()
-        task.set_result(task.call[0](*task.call[1:]))
-    sent = messages(session)
-    order(session, "layer", rows=100, modes=100, depth=100.0)
-    assert [message["kind"] for message in sent].count("table") == 1  # what is known is sent at once
 
 
 def test_a_visitor_who_leaves_with_an_open_page_is_sent_nothing(session):

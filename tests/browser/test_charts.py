@@ -26,7 +26,10 @@ TEXTS = """() => {  // what is written into a chart from now on
 )
 def test_numbers_of_an_axis_are_round_and_within_it(tab, start, end, most, texts):
     ticks = tab.evaluate(
-        "async ([start, end, most]) => (await import('http://scripts/js/chart.js')).ticksOf({ start, end }, most)",
+        """async ([start, end, most]) => {
+            const { ticksOf } = await import("http://scripts/static/js/chart.js")
+            return ticksOf({ start, end }, most)
+        }""",
         [start, end, most],
     )
     assert [text for _, text in ticks] == texts

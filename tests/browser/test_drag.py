@@ -5,17 +5,29 @@ from served import enter, finished, paused_at, values_are
 from tabs import imported
 
 pytestmark = pytest.mark.thorough
+
+
 AXES = """Object.fromEntries(["forces", "area", "map", "punch"].map((name) => {
     const { x, y } = charts[name]
     return [name, [x.start, x.end, y.start, y.end]]
 }))"""
+
+
 COLOURS = "[document.getElementById('map-low').textContent, document.getElementById('map-high').textContent]"
+
+
 WORD = "document.querySelector('#status b').textContent"
+
+
 DRAWN = """() => {  // the curves of the charts, and of the run on screen
     const { forces: { parts: { F } }, area: { parts: { A } } } = charts
     return [[[...F.y], [...A.y]], [[...punch.run.shear("F")], [...punch.run.shear("A")]]]
 }"""
+
+
 DRAWN_F = "() => [[...charts.forces.parts.F.x], [...charts.forces.parts.F.y]]"
+
+
 WATCH = """() => {  // what is on screen with every run that is painted whole
     window.seen = []
     let last = punch.run
@@ -123,21 +135,6 @@ def test_a_predicted_run_shows_any_increment_where_one_scrubs_or_points_and_play
     page.wait_for_function(f"punch.run.followed && !punch.run.few && punch.drawn > 0 && punch.playing && {own} > 0")
     at = page.evaluate("punch.at")
     page.wait_for_function(f"punch.at > {at}")
-
-
-def test_slow_motion_of_a_predicted_run_is_that_of_its_exact_run_which_comes_at_once(look):
-    page = paused(look, "?E=70.6")
-    point = grab(page, "delta_bar")
-    page.mouse.move(*point(2))
-    page.wait_for_function("punch.run.followed && punch.run.scene.delta_bar === 0.02")
-    page.mouse.up()
-    page.wait_for_function("!punch.run.few")
-    page.evaluate("document.activeElement.blur()")
-    page.keyboard.press("End")
-    page.keyboard.press("m")
-    page.wait_for_function("punch.film")
-    assert not page.evaluate("Boolean(punch.run.followed)")
-    page.keyboard.press("m")
 
 
 def test_a_status_from_before_the_last_picture_does_not_put_the_slider_back(look):

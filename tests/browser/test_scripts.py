@@ -1,60 +1,37 @@
 """The scripts in a blank tab of Chromium, fed with packed runs."""
 
-import base64
 import json
-from functools import cache
-from math import inf
 from pathlib import Path
 
 import numpy as np
 import pytest
-from exact_interior import inside, principal_difference
-from visitor import slices
+from scripts import SHORT, run_of
 
-from app.service import packing, tasks
-from solver import Scene, load_path
+from app.service import packing
+from solver import Scene
 
 APP = Path(__file__).parents[2] / "app"
+
+
 MODULES = sorted(
-    path.relative_to(APP).as_posix() for room in ("static", "pages") for path in (APP / room).rglob("*.js")
+    path.relative_to(APP).as_posix() for room in ("static", "features", "pages") for path in (APP / room).rglob("*.js")
 )
-SHORT = Scene(nodes=256, width=625.0, radius=60.0, u_x_max=12.0, E=200.0)
+
+
 WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
+
+
 LOOP = SHORT.changed(path="loop", u_x_max=6.0)
 
 
 ROUNDED = 2 * packing.FINE + 0.002  # of the largest value: straight lines over frames and nodes, and the steps
 
 
-@cache
-def computed(scene, fine):
-    """(frames, blocks): all frames of a scene, and the same packed in slices, that finely."""
-    frames = list(load_path(scene))  # kernels are then there: compiling them counts as an increment's time
-    blocks = []
-    for piece in slices(scene, inf):  # a run that is cut differs by round-off
-        assert not piece.failure
-        blocks += [base64.b64encode(block).decode() for block in piece.blocks]
-    return frames, blocks
-
-
-@pytest.fixture
-def finely(monkeypatch):
-    """Fields are packed as finely as int16 can, for tests of what is computed from them."""
-    monkeypatch.setattr(packing, "FINE", 1e-5)
-
-
-def run_of(tab, scene):
-    """`run` in the tab: all frames of a scene, packed in slices and unpacked there; returns the solver's frames."""
-    frames, blocks = computed(scene, packing.FINE)
-    tab.evaluate("async (blocks) => { window.run = await runOf(blocks) }", blocks)
-    return frames
-
-
 def test_what_is_ordered_before_the_stage_is_there_follows_the_order_that_starts_the_run(tab):
     """The first test here, as the module of all others has a Stage."""
     given = tab.evaluate(
         """async () => {
-            const { connect, order } = await import("http://scripts/js/channel.js")
+            const { connect, order } = await import("http://scripts/static/js/channel.js")
             const given = [], stage = new Proxy({ on() {} }, { set: (_, what, { n }) => given.push([what, n]) })
             order("layer", { rows: 1 })
             connect(stage)
@@ -69,7 +46,7 @@ def test_what_is_ordered_before_the_stage_is_there_follows_the_order_that_starts
 def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     passed_on = tab.evaluate(
         """async () => {
-            const { connect, take } = await import("http://scripts/js/channel.js")
+            const { connect, take } = await import("http://scripts/static/js/channel.js")
             const passedOn = [], unpacking = [Promise.withResolvers(), Promise.withResolvers()]
             const told = {}, stage = { on: (kind, call) => { told[kind] = call } }
             connect(stage)
@@ -98,7 +75,7 @@ def test_a_message_that_is_never_unpacked_does_not_hold_back_those_after_it(tab)
             const { setTimeout: later } = window, passedOn = []
             window.setTimeout = (call, ms) => later(call, ms > 5000 ? 1 : ms) // the time is over at once
             window.addEventListener("error", (event) => event.preventDefault(), { once: true })
-            const { connect, take } = await import("http://scripts/js/channel.js")
+            const { connect, take } = await import("http://scripts/static/js/channel.js")
             const told = {}, stage = { on: (kind, call) => { told[kind] = call } }
             connect(stage)
             const send = ({ kind, ...message }) => { stage[kind] = message; told[kind]() }
@@ -180,21 +157,9 @@ def test_contact_map_is_empty_where_no_traction_acts(tab):
         assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=ROUNDED * np.abs(frame.T[1]).max())
 
 
-def test_a_film_begins_with_the_frames_of_its_run(tab):
-    run_of(tab, SHORT)
-    counts = tab.evaluate(
-        """(async () => {
-            const { Run } = await import("http://scripts/js/run.js"), next = new Run(8, run.head)
-            next.takeOver(run, run.sheared + 5)
-            return [next.length, run.sheared + 6, next.curves.U_x.at(-1), run.curves.U_x[run.sheared + 5]]
-        })()"""
-    )
-    assert counts[0] == counts[1] and counts[2] == counts[3]
-
-
 def test_numbers_use_a_true_minus_sign_and_no_negative_zero(tab):
     written = tab.evaluate(
-        """import("http://scripts/js/quantities.js").then(({ fixed, minus }) => [
+        """import("http://scripts/static/js/quantities.js").then(({ fixed, minus }) => [
             fixed(-1.25, 1), fixed(-0.0004, 3).replace("−", ""), fixed(3, 0), minus("-2")])"""
     )
     assert written == ["−1.2", "0.000", "3", "−2"]
@@ -204,7 +169,7 @@ def test_numbers_use_a_true_minus_sign_and_no_negative_zero(tab):
 def test_colours_change_from_attraction_to_repulsion_exactly_at_zero(tab, low, high):
     ends = {"pull-0": "#ff0000", "pull-1": "#c80000", "push-0": "#0000ff", "push-1": "#0000c8"}
     made = tab.evaluate(
-        f"""import("http://scripts/js/colours.js").then(({{ readAgain, shades }}) => {{
+        f"""import("http://scripts/static/js/colours.js").then(({{ readAgain, shades }}) => {{
             const styles = Object.entries({json.dumps(ends)}).map(([name, ink]) => `--${{name}}: ${{ink}}`)
             document.documentElement.style.cssText = styles.join(";")
             readAgain()
@@ -221,38 +186,12 @@ def test_colours_change_from_attraction_to_repulsion_exactly_at_zero(tab, low, h
 
 def test_axis_limits_are_rounded_up_to_simple_numbers(tab):
     values = [0.012, 0.99, 1.0, 1.01, 37.0, 4200.0]
-    rounded = tab.evaluate(f"import('http://scripts/js/colours.js').then(({{ nice }}) => {values}.map(nice))")
+    rounded = tab.evaluate(f"import('http://scripts/static/js/colours.js').then(({{ nice }}) => {values}.map(nice))")
     assert rounded == [0.015, 1, 1, 1.5, 40, 5000]
 
 
-@pytest.mark.parametrize("scene", [SHORT, SHORT.changed(nu=0.2, height=0.05), Scene(surface="flat", u_x_max=2.0)])
-def test_stress_inside_the_layer_equals_the_sum_over_all_modes(tab, scene, finely):
-    """To 5e-4 of the largest stress: tractions come as int16, and modes that are not felt at a depth are left out."""
-    frame, rows, half = run_of(tab, scene)[-1], 40, 60.0
-    depth = min(half, scene.height * scene.width)
-    counts, scale, body = tasks.layer_table(scene, depth, rows, scene.nodes // 2)
-    assert len(body) == 12 * sum(counts)
-    made = tab.evaluate(
-        """async ([table, counts, scale]) => {
-            const { tableOf, sumsIn, middles, XX, ZZ, XZ, APART, SHEARED } = await import("http://scripts/js/inside.js")
-            const weights = [XX, ZZ, XZ, APART, SHEARED]
-            const { buffer: body } = Uint8Array.from(atob(table), (c) => c.charCodeAt(0))
-            const sums = sumsIn(run, run.length - 1, tableOf({ counts, scale, body }), middles(50, 60), weights)
-            return sums.map((sum) => [...sum])
-        }""",
-        [base64.b64encode(body).decode(), counts, scale],
-    )
-    *made, apart, sheared = np.array(made).reshape(-1, rows, 50)
-    first, T = (0, np.repeat(frame.T[:, :1], scene.nodes, 1)) if scene.surface == "flat" else (frame.first, frame.T)
-    x, z = scene.width / 2 + half * ((np.arange(50) + 0.5) / 25 - 1), (np.arange(rows) + 0.5) * (depth / rows)
-    true = inside(scene, first, T, (0.0, 0.0), x, z)
-    assert np.array(made) == pytest.approx(true.stress, abs=5e-4 * np.abs(true.stress).max())
-    exact = principal_difference(true.stress)
-    assert np.hypot(apart, sheared) == pytest.approx(exact, abs=5e-4 * exact.max())
-
-
 def test_page_state_rejects_undeclared_fields(tab):
-    refused = """import("http://scripts/js/store.js").then(({ me }) => {
+    refused = """import("http://scripts/static/js/store.js").then(({ me }) => {
         me.at = 3
         try { me.att = 3 } catch (error) { return [me.at, error.name] }
     })"""
@@ -263,7 +202,7 @@ def test_page_state_rejects_undeclared_fields(tab):
 def test_views_of_changed_fields_draw_together_once_also_if_one_fails(tab):
     drawn = tab.evaluate(
         """async () => {
-            const { frame, me, set, view } = await import("http://scripts/js/store.js")
+            const { frame, me, set, view } = await import("http://scripts/static/js/store.js")
             const drawn = [], flushed = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then)))
             frame(["at"], () => drawn.push(`frame of ${me.at}`))
             view(["at"], () => { throw new Error("one view fails") })

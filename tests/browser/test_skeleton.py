@@ -20,7 +20,7 @@ SHOWN = "fig6", "rough", "fig4a-blue", "soft-drive", "xu-needleman"
 OTHERS = [name for name in SCENES if name not in SHOWN]
 CASES = [*SHOWN, *(pytest.param(name, marks=pytest.mark.thorough) for name in OTHERS)]
 IN_TAB = """async (text) => {
-    const { skeletonLater, chunkFrom } = await import("http://scripts/js/skeleton.js")
+    const { skeletonLater, chunkFrom } = await import("http://scripts/static/js/skeleton.js")
     const { buffer } = Uint8Array.from(atob(text), (c) => c.charCodeAt(0))
     const { skeleton } = await skeletonLater({ body: buffer }), whole = chunkFrom(skeleton)
     const few = chunkFrom(skeleton, true, 3)

@@ -15,7 +15,7 @@ FIELDS = 0.025  # of the largest value: two runs that each err by 2 packing.FINE
 SIDED = 3  # frames, with those beside it between which a run is interpolated
 NOBODY = "tcp://127.0.0.1:9"  # the port "discard": no scheduler, thus no worker
 COMPARE = """async (texts) => {
-    const { unpackLater } = await import("http://scripts/js/packed.js")
+    const { unpackLater } = await import("http://scripts/static/js/packed.js")
     const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer
     const [one, other] = await Promise.all(texts.map((text) => unpackLater({ body: bytes(text) })))
     const apart = (a, b) => a.length === b.length && a.reduce((most, v, i) => Math.max(most, Math.abs(v - b[i])), 0)

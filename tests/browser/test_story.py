@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from served import laid_out, paused_at
+from served import laid_out
 
 pytestmark = pytest.mark.thorough
 
@@ -13,6 +13,8 @@ LEAN = """() => {
     const { first, spacing, middle } = run.headOf(k), i = x.length >> 1, from = (first + i) * spacing - middle
     return Math.round((charts.punch.parts.surface.x[i] - from) / (x[i] - from) * 100) / 100
 }"""
+
+
 OWN = "?preset=fig6&theme=light"  # of the two tests that leave the page changed
 
 
@@ -103,105 +105,9 @@ def test_dragging_the_punch_sideways_scrubs_and_downwards_presses_by_predictions
     page.wait_for_function("() => location.search.includes('delta_bar=')")
 
 
-def test_slow_motion_keeps_the_top_fixed_and_ends_at_the_increment_after_the_slip(look):
-    page = look("?preset=fig6")
-    page.keyboard.press("Home")
-    page.locator("#slow").wait_for(state="hidden")
-    at_first_slip(page)
-    page.evaluate(
-        """() => {
-            window.seen = []
-            new MutationObserver(() => {
-                const text = document.getElementById("film").textContent
-                if (!text.startsWith("slow")) return
-                seen.push([text, document.getElementById("readout").textContent])
-            }).observe(document.getElementById("film"), { childList: true })
-        }"""
-    )
-    k = page.evaluate("punch.drawn")
-    page.get_by_role("button", name="Slow motion").click()
-    page.wait_for_function("seen.length > 3")
-    assert page.locator("#slow").inner_text() == "Stop"
-    page.locator("#film").wait_for(state="hidden")  # it has come to its end
-    said = page.evaluate("seen")
-    assert {text for text, _ in said} == {"slow motion"}
-    assert all("Uₓ = 10.8 nm" in readout for _, readout in said)  # not 10.9, of the increment
-    page.wait_for_function("(k) => punch.drawn === k", arg=k)
-    page.wait_for_function("document.getElementById('film').hidden")
-    assert page.locator("#slow").inner_text() == "Slow motion"
-
-
-def test_key_m_shows_the_previous_slip_in_slow_motion_until_another_key(look):
-    page = look("?preset=loop")
-    at_first_slip(page)
-    k = page.evaluate("punch.drawn")
-    for _ in range(20):
-        page.keyboard.press("ArrowRight")
-    page.wait_for_function(f"() => punch.drawn === {k + 20}")
-    page.keyboard.press("m")
-    page.locator("#film").filter(has_text="slow motion").wait_for()
-    assert page.evaluate("punch.drawn") == k
-    page.keyboard.press("ArrowRight")
-    page.locator("#film").wait_for(state="hidden")
-    page.wait_for_function(f"() => punch.drawn === {k + 1}")
-
-
-def test_slow_motion_can_be_paused_and_resumed(look):
-    page = look("?preset=fig6")
-    at_first_slip(page)
-    ends = "[charts.forces.y.start, charts.forces.y.end]"
-    before = page.evaluate(ends)
-    page.keyboard.press("m")
-    page.wait_for_function("punch.film")
-    page.locator("#play", has_text="Pause").wait_for()
-    low, high = page.evaluate("(({ F }) => [Math.min(...F), Math.max(...F)])(punch.film.run.curves)")
-    start, end = page.evaluate(ends)
-    assert start < low and before[1] < high < end  # F of the motion, drawn beside the slip
-    page.keyboard.press(" ")
-    page.locator("#play", has_text="Play").wait_for()
-    rests = page.evaluate(
-        """() => new Promise((then) => {
-            const { k } = punch.film
-            setTimeout(() => then(punch.film?.k === k), 300)  // of 5 s for some dozen states
-        })"""
-    )
-    assert rests
-    page.keyboard.press(" ")
-    page.locator("#play", has_text="Pause").wait_for()
-    page.locator("#film").wait_for(state="hidden")
-    page.locator("#play", has_text="Play").wait_for()
-    assert page.evaluate(ends) == before
-
-
-def test_the_slider_of_the_player_leads_out_of_slow_motion(look):
-    page = look("?preset=fig6")
-    at_first_slip(page)
-    k = page.evaluate("punch.drawn")
-    page.keyboard.press("m")
-    page.wait_for_function("punch.film")
-    assert page.input_value("#scrub") == str(k)
-    paused_at(page, k + 30)
-    page.locator("#film").wait_for(state="hidden")
-
-
-def test_slow_motion_without_a_slip_explains_why(look):
-    page = look("?preset=fig6&u_x_max=14")
-    page.evaluate("document.activeElement.blur()")
-    page.keyboard.press("Home")
-    page.keyboard.press("m")
-    said = page.locator("#film")
-    said.wait_for()
-    assert said.inner_text() == "Slow motion: no slip up to here; the key ] leads to the next."
-    said.wait_for(state="hidden")
-    at_first_slip(page)
-    page.keyboard.press("ArrowRight")
-    k = page.evaluate("punch.run.curves.slip[punch.at] = 1, punch.at")  # the server knows better
-    page.keyboard.press("m")
-    said.filter(has_text="Slow motion: no branch ends here.").wait_for()
-    assert page.locator("#slow").inner_text() == "Slow motion" and page.evaluate("punch.at") == k
-
-
 SIZES = ((1920, 1080), (1440, 900), (1366, 657), (1280, 720), (1024, 768), (900, 600), (820, 1180), (390, 844))
+
+
 # keeps what is written over the punch, with a rim as nothing on axes has it, and where
 RECORD = """() => {
     if (window.written) return
@@ -218,6 +124,8 @@ RECORD = """() => {
         return strokeText.call(this, text, x, y)
     }
 }"""
+
+
 OVER_EACH_OTHER = """() => {
     const { left, top } = charts.punch.canvas.getBoundingClientRect()
     const place = (id) => document.getElementById(id).getBoundingClientRect()

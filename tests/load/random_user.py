@@ -59,7 +59,7 @@ WRONG = """async () => {
         differ(`${name} of the run`, Number(run.scene[name]), Number(value))
     }
     differ('grey', document.querySelector('.page').dataset.stale, false)
-    if (!punch.playing && punch.preview === null && !punch.film) {
+    if (!punch.playing && punch.preview === null && !punch.instead) {
         const k = Math.min(drawn, run.length - 1)
         differ('sentence', by('sentence').textContent, nowSentence(run, k).text)
         differ('increment', by('scrub').value, k)

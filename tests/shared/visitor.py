@@ -18,6 +18,7 @@ from app.stage import Stage
 from solver import Scene
 
 SHORT = Scene(u_x_max=6.0)
+OWN = Stage, Stage.__mro__[1]  # the latter has the parameters of features
 PATIENCE = 240  # s; a limit against hanging, not a claim about speed
 
 
@@ -159,7 +160,7 @@ def hear(session, call):
         for event in events:
             call({"kind": event.name} | {name: value for name, value in event.new.items() if name != "sent"})
 
-    own = [name for name, parameter in Stage.param.objects().items() if parameter.owner is Stage and name != "name"]
+    own = [name for name, parameter in Stage.param.objects().items() if parameter.owner in OWN and name != "name"]
     session.stage.param.watch(told, [name for name in own if name not in session.orders])
 
 

@@ -37,7 +37,7 @@ export function makeCharts(nodes) {
   const place = { start: -250, end: 250 }, path = { start: 0, end: 40 }
   addChart("punch", { x: { ...place }, y: { start: -1.2, end: 7 },
     across: "x on the substrate, from the middle (nm)", up: "height (nm)", parts: {
-      fringes: { kind: "image", picture: null, smooth: true }, substrate: { kind: "below", ink: "--text", alpha: 0.12 },
+      substrate: { kind: "below", ink: "--text", alpha: 0.12 },
       body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
       sites: line("--text", { width: 2.5 }), ...marksOf(nodes), pins: pins(),
       story: drawing(), page: drawing(),

@@ -4,7 +4,6 @@ import { drawBands } from "./bands.js"
 import { charts } from "./charts.js"
 import { beside, drawCurves, drawMap } from "./curves.js"
 import { by } from "./dom.js"
-import { drawFringes } from "./fringes.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, drawnFrame, fitFrames, sideways } from "./punch.js"
 import { cost, frame, me, memory, set, touch } from "./store.js"
@@ -22,7 +21,7 @@ let curvesAt = 0, mapAt = 0 // ms, when they were drawn
 let timer = 0
 
 export function connect() {
-  frame(["run", "ghost", "pins", "at", "preview", "film", "playing", "dragging", "following", "look"], draw)
+  frame(["run", "ghost", "pins", "at", "preview", "instead", "playing", "dragging", "following", "look"], draw)
   frame(["picture"], drawPunch)
   charts.punch.fill("story", { draw: drawStory })
   charts.punch.under = drawBands
@@ -32,8 +31,8 @@ export function connect() {
 const shown = () => Math.max(0, Math.min(Math.floor(me.preview ?? me.at), me.run.length - 1))
 
 function draw() {
-  const { run, film } = me, time = performance.now()
-  if (film) return drawIncrement(film.run, film.k)
+  const { run, instead } = me, time = performance.now()
+  if (instead) return drawIncrement(instead.run, instead.k)
   if (!run?.length || (run.sheared < 0 && !me.following && me.at > run.length - 1)) return tellPicture()
   const k = shown()
   by("scrub").max = run.whole ? run.length - 1 : Math.max(run.length - 1, Number(by("scrub").max) || 0)
@@ -96,7 +95,6 @@ function drawIncrement(run, k) {
 function drawPunch() {
   if (!me.picture) return
   const { run, k } = me.picture
-  drawFringes(run, k)
   charts.punch.changed = true
   if (run !== me.run) return
   if (me.drawn < 0) document.querySelector(".page").dataset.drawn = "" // figures come into sight

@@ -67,12 +67,12 @@ function switchTheme() {
   redraw()
 }
 
-const KEYS = {
+// {key: what it does}; features add theirs
+export const KEYS = {
   " ": toggle, ArrowRight: move, ArrowLeft: (jump) => move(-jump),
   Home: () => goto(0), End: () => goto(Infinity), r: reset, "[": () => toSlip(-1), "]": () => toSlip(1),
-  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext, m: slowMotion,
+  "?": () => by("keys").showModal(), p: project, l: seeMore, c: chooseNext,
 }
-const PLAIN = " rpmlc" // which a slider or a box leaves to the page
 
 function onKey(event) {
   const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)
@@ -83,15 +83,11 @@ function onKey(event) {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
-    || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !PLAIN.includes(key))
+    || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !(key === " " || /^[a-z]$/.test(key)))
   if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
   hideHint()
   KEYS[key](event.shiftKey ? 10 : 1)
-}
-
-async function slowMotion() {
-  if (!me.run?.stored) (await fetched(() => import("./later/film.js")))?.slowMotion()
 }
 
 async function readProfile(file) {
@@ -163,7 +159,6 @@ export function connect() {
   on("data", "click", async () => (await fetched(() => import("./later/overlay.js")))?.choose())
   connectDrop()
   on("take", "click", async () => (await fetched(() => import("./share.js")))?.open())
-  on("slow", "click", slowMotion)
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())

@@ -20,7 +20,7 @@ const EASE = 0.15 // of the way to where most moves, in each picture of a slow m
 // held, if any
 function focus({ run, k, frame }) {
   if (lens.place !== null) return lens.place
-  if (run.filmed) return follow(run, k, frame)
+  if (run.transient) return follow(run, k, frame)
   lens.moving = null
   const edges = run.edges(k), { first } = run.headOf(k), { x, gap } = frame
   if (!edges) {

@@ -7,7 +7,6 @@ import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
 import { by } from "./dom.js"
 import * as draw from "./draw.js"
-import { connectFringes } from "./fringes.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
@@ -32,7 +31,6 @@ export function start() {
   address.connect()
   inputs.connect()
   connectLens()
-  connectFringes()
   view(["look"], change)
   view(["pointed"], () => {
     for (const name in charts) charts[name].point(me.pointed?.name === name ? me.pointed : null)

@@ -14,8 +14,8 @@ let coming = null // the run that takes the place of what is on screen once it i
 
 export function connect() {
   view(["playing", "dragging", "stale", "lost", "run", "following", "preview"], roll)
-  view(["playing", "film"], () => {
-    by("play").textContent = (me.film ? !me.film.paused : me.playing) ? "Pause" : "Play"
+  view(["playing", "instead"], () => {
+    by("play").textContent = (me.instead ? !me.instead.paused : me.playing) ? "Pause" : "Play"
   })
   view(["run"], () => { by("play").disabled = !me.run })
   view(["dragging"], () => {
@@ -154,7 +154,7 @@ export function play(on) {
 }
 
 export function toggle() {
-  if (me.film) me.film = { ...me.film, paused: !me.film.paused }
+  if (me.instead) me.instead = { ...me.instead, paused: !me.instead.paused }
   else play(!me.playing)
 }
 

@@ -20,7 +20,7 @@ const SPAN = { // of the frames of a run, from the first of shear on by default
   reach: 0, // nm from the middle within which anything acts
   strongest: 0, // N/m, of F and L: of the frames of shear once there are any
 }
-const SPANS = Object.keys(SPAN)
+export const SPANS = Object.keys(SPAN)
 const least = (list) => list.reduce((a, b) => Math.min(a, b), 0)
 const largest = (list) => list.reduce((a, b) => Math.max(a, b), 0)
 
@@ -31,7 +31,7 @@ export class Run extends Frames {
     this.head = head
     this.curves = Object.fromEntries([...head.columns, ...Object.keys(REAL)].map((name) => [name, []]))
     this.whole = false
-    this.filmed = false // whether its last frames are a motion through a slip
+    this.transient = false // whether its last frames are not at rest
     this.sheared = -1 // the frame at which shear begins, once it is there
     Object.assign(this, SPAN)
   }
@@ -157,13 +157,6 @@ export class Run extends Frames {
   stage(k) { return this.leg(k).split(" ").at(-1) }
 
   leg(k) { return this.head.stages[this.curves.stage[k]] }
-
-  // Begin with the frames of another run up to k, as a film through a slip does
-  takeOver(other, k) {
-    this.places = other.places.slice(0, k + 1)
-    for (const name in this.curves) this.curves[name] = other.curves[name].slice(0, k + 1)
-    for (const name of ["sheared", ...SPANS]) this[name] = other[name]
-  }
 
   // Work of the stage over the closed cycle of a loop, nJ/m, once it is closed
   get dissipated() {

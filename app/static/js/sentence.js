@@ -32,7 +32,7 @@ export function saidNext(before, next, { moving, k, time, run, dragging }) {
 export function phaseSentence(run, k) {
   const at = Math.min(Math.max(k, run.sheared + 1), run.length - 1) // not "at rest" while the top moves
   const stage = run.sheared < 0 ? "" : run.stage(at), sheared = ["shear", "back"].includes(stage)
-  const slips = sheared && !run.filmed
+  const slips = sheared && !run.transient
     ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
   if (slips.length > 1 && at >= slips[0] + AFTER / run.head.step) return jerks(run, slips)
   return nowSentence(run, at, true)
@@ -53,7 +53,7 @@ function holds(run, k) {
 
 // What happens at frame k; playing: without the numbers of a slip
 export function nowSentence(run, k, playing = false) {
-  if (run.filmed)
+  if (run.transient)
     return tell("film", "Slow motion through the slip: waves run through the contact until it rests again.")
   const stage = run.stage(k)
   if (!holds(run, k)) {
@@ -208,7 +208,7 @@ const differs = (a, b) => Math.abs(a - b) > SAME * Math.max(Math.abs(a), Math.ab
 
 // What one change has done, against the run before; null where there is nothing to compare
 export function changeSentence(run, before) {
-  if (!run || !before || run.filmed || run.normal !== before.normal || run.head.flat !== before.head.flat
+  if (!run || !before || run.transient || run.normal !== before.normal || run.head.flat !== before.head.flat
     || !(run.sheared >= 0 && before.sheared >= 0) || !run.whole) return null
   const names = differing(run.scene, before.scene)
   if (names.length !== 1 || ALONE.includes(names[0])) return null

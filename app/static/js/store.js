@@ -17,7 +17,7 @@ const fields = {
   pins: [], laid: null, lesson: null, // see later/pins.js, later/overlay.js, later/lesson.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last
-  film: null, // {run, k, paused}: a state of a slow motion, drawn in place of the frame
+  instead: null, // {run, k, paused}: drawn in place of the increment
   pointed: null, // {name, x, y}: the chart that the mouse points at, and px in it
   playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
   status: {}, waiting: [], // the last message of the server; {n, what, values, at} of orders without an answer
@@ -70,7 +70,9 @@ export function set(values) {
   }
 }
 
-export const me = {}
+// A field that is not declared cannot be set
+const refused = (_, name) => { throw new TypeError(`${String(name)} is no field of the store`) }
+export const me = Object.create(new Proxy({}, { set: refused }))
 const defineField = (name) => Object.defineProperty(me, name, { get: () => fields[name],
   set: (value) => { set({ [name]: value }) }, enumerable: true })
 Object.keys(fields).forEach(defineField)

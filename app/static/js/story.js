@@ -7,7 +7,7 @@ import { arrow, inks, line, size, write } from "./pen.js"
 import { BAR, drawnFrame } from "./punch.js"
 import { fixed, withUnit } from "./quantities.js"
 import { AFTER, changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
-import { exact, me, memory, sees } from "./store.js"
+import { me, memory, sees } from "./store.js"
 
 const REST = 46 // px, a drive that is not stretched
 const TURNS = 12 // of its spring
@@ -175,7 +175,6 @@ export function tellNow(run, k) {
   const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
   const said = saidNext(sentence, next, { moving, k, run, dragging: me.dragging, time: performance.now() })
   tell(by("sentence"), said.text)
-  by("slow").hidden = !exact(run) || run.slipBefore(k) === null
   sentence = said
   if (!compared(run, me.ghost, run.whole)) return
   const changed = changeSentence(run, me.ghost)?.text ?? ""

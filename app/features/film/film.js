@@ -1,13 +1,13 @@
 // Slow motion through a slip: the states of the motion itself, at one place of the top. Loaded when it is asked for.
 
-import { charts } from "../charts.js"
-import { order, take } from "../channel.js"
-import { by } from "../dom.js"
-import { inks, line, size, write } from "../pen.js"
-import { goto } from "../player.js"
-import { unpackLater } from "../packed.js"
-import { Run } from "../run.js"
-import { exact, frame, me, now, redraw, view } from "../store.js"
+import { charts } from "../../static/js/charts.js"
+import { order, take } from "../../static/js/channel.js"
+import { by } from "../../static/js/dom.js"
+import { inks, line, size, write } from "../../static/js/pen.js"
+import { goto } from "../../static/js/player.js"
+import { unpackLater } from "../../static/js/packed.js"
+import { Run, SPANS } from "../../static/js/run.js"
+import { exact, frame, me, now, redraw, view } from "../../static/js/store.js"
 
 const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
@@ -15,7 +15,7 @@ const FIELD = 0.5, EDGE = 8 // of the width of the plot, for F of the motion; px
 const REST = 1.2 // s at its end
 const SAID = 5000 // ms, for which a sentence stays
 // {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, axis: its
-// ends before}; the state on screen is `me.film`
+// ends before}; the state on screen is `me.instead`
 let film = null
 let awaited = null // the predicted run for whose exact one slow motion waits
 
@@ -67,17 +67,24 @@ function receive({ why, ...chunk }) {
   if (why && film && !film.frames) refuse(`Slow motion: ${why}.`)
   if (!film || chunk.frame !== film.k || me.run !== film.run) return
   if (!film.frames) {
-    film.frames = Object.assign(new Run(`film ${chunk.frame}`, chunk.head), { filmed: true })
-    film.frames.takeOver(film.run, film.k - 1)
+    film.frames = Object.assign(new Run(`film ${chunk.frame}`, chunk.head), { transient: true })
+    takeOver(film.frames, film.run, film.k - 1)
   }
   film.frames.add(chunk)
   if (!film.frames.whole) return
   film.before = performance.now()
-  me.film = { run: film.frames, k: film.k, paused: false }
+  me.instead = { run: film.frames, k: film.k, paused: false }
   widenForces(film.frames.curves.F)
   charts.forces.parts.motion = { kind: "drawing", draw: drawTrace }
   by("announcement").textContent = "Slow motion through the slip: the surface is not at rest."
   requestAnimationFrame(step)
+}
+
+// Begin with the frames of another run up to k
+export function takeOver(made, other, k) {
+  made.places = other.places.slice(0, k + 1)
+  for (const name in made.curves) made.curves[name] = other.curves[name].slice(0, k + 1)
+  for (const name of ["sheared", ...SPANS]) made[name] = other[name]
 }
 
 // Let the axis of the forces hold the motion as well, which is rougher
@@ -89,12 +96,12 @@ function widenForces(values) {
 
 function step(time) {
   if (!film?.frames) return
-  const { frames, k } = film, { paused } = me.film
+  const { frames, k } = film, { paused } = me.instead
   if (!paused) film.clock += Math.max(0, time - film.before) / 1000
   film.before = time
   if (film.clock > SECONDS + REST) return leave()
   const at = Math.min(frames.length - 1, k + Math.floor((film.clock / SECONDS) * (frames.length - k)))
-  if (at !== me.film.k) me.film = { run: frames, k: at, paused }
+  if (at !== me.instead.k) me.instead = { run: frames, k: at, paused }
   requestAnimationFrame(step)
 }
 
@@ -116,7 +123,7 @@ function drawTrace(pen, box) {
   pen.strokeStyle = ink.slip
   pen.lineWidth = 1
   pen.strokeRect(left, box.top, width, box.height)
-  const shown = me.film.k - k + 1
+  const shown = me.instead.k - k + 1
   line(pen, places, ink.grid, 2)
   line(pen, places.slice(0, shown + 1), ink.slip, 2)
   pen.fillStyle = ink.slip
@@ -132,7 +139,7 @@ function leave() {
   if (film.axis) charts.forces.range("y", film.axis)
   film = null
   tell("")
-  me.film = null
+  me.instead = null
   redraw()
 }
 

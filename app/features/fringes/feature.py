@@ -1,45 +1,49 @@
-"""Computations for a visitor beside the run on screen. Every method runs under the lock of the document.
+"""Fringes: the stress inside the punch, as photoelastic fringes or as one component with its sign."""
 
-A film and the table of a layer belong to one visitor.
-"""
-
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from app.service import tasks, worker
-from app.service.pool import HEAVY
-from app.service.requests import Requests
+from app import interface
+from app.features.fringes import tasks
 from app.session import orders
 from app.session.orders import order
 
-LONGEST_FILM = 20 * worker.SLOW  # s: a worker repeats the run up to the slip, and packs the states of its motion
 GEOMETRY = ("nu", "height", "width", "nodes")  # the parameters that the table of a layer depends on
 TABLES = 2  # tables that a visitor may wait for
 ROWS, MODES, DEPTH = (16, 120), (16, 1024), (1.0, 1e6)  # ranges that a browser may request; DEPTH in nm
 
 
-class Film(Requests):
-    """The transient during a slip of the run on screen."""
+@dataclass(frozen=True)
+class Stress:
+    """A stress in the punch: its choice, its symbol, and the words and colours of its negative and positive values."""
 
-    @order("film", run=orders.is_whole, frame=orders.is_whole)
-    def request(self, run: int, frame: int) -> None:
-        """Send the transient that led to a frame of the run with this number, or the reason for a failure."""
-        self.cancel()
-        shown = self.session.run
-        if shown is None or shown.number != run:
-            return self._made("the run on screen has changed; try again", frame)
-        call = (tasks.slow_motion, shown.scene, frame)
-        how = {"rank": HEAVY, "seconds": LONGEST_FILM, "private": True}
-        return self.ask(call, lambda made: self._made(made, frame), **how)
-
-    def _made(self, made, frame):
-        if made is None or isinstance(made, str):
-            return self.session.send("slip", why=made or "it could not be computed; try again")
-        for block in made:
-            self.session.send("slip", frame=frame, body=block)
+    choice: str
+    symbol: str
+    below: str
+    above: str
+    below_colour: str = "--push-1"
+    above_colour: str = "--pull-1"
 
 
-class Layer(Requests):
+STRESSES = {  # in the punch, beside the fringes; its shear at the surface is the traction that holds back
+    "zz": Stress("vertical stress σ_zz", "σ_zz", "squeezed", "stretched"),
+    "xx": Stress("sideways stress σ_xx", "σ_xx", "squeezed", "stretched"),
+    "xz": Stress("shear stress τ", "τ", "pulls on", "holds back", "--slip", "--shear"),
+}
+
+
+class Feature(interface.Feature):
     """Tables that turn tractions into stress inside the layer, one per geometry; the browser draws with them."""
+
+    ORDER = 10
+    PARAMS = {
+        "layer": "asks for a table of the layer: rows, modes, depth (nm)",
+        "table": "a table from tractions to stress in the layer: asked, geometry, depth, counts, scale, body",
+    }
+
+    @classmethod
+    def declared(cls, root: str) -> dict[str, Any]:
+        return {"stresses": {name: asdict(stress) for name, stress in STRESSES.items()}}
 
     @order("layer", rows=orders.is_number, modes=orders.is_number, depth=orders.is_number)
     def request(self, rows: Any, modes: int, depth: float) -> None:

@@ -1,12 +1,12 @@
 // Stress inside the punch: photoelastic fringes, lines of equal shear stress, or one component with its sign.
 
-import { charts } from "./charts.js"
-import { bytes, isShown, mixed, theme } from "./colours.js"
-import { by, keep, kept, make, on } from "./dom.js"
+import { addPart, charts } from "../../static/js/charts.js"
+import { bytes, isShown, mixed, theme } from "../../static/js/colours.js"
+import { by, keep, kept, make, on } from "../../static/js/dom.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
-import { BAR, drawnFrame } from "./punch.js"
-import { digits } from "./quantities.js"
-import { me, memory, redrawPunch } from "./store.js"
+import { BAR, drawnFrame } from "../../static/js/punch.js"
+import { digits } from "../../static/js/quantities.js"
+import { frame, me, memory, redrawPunch } from "../../static/js/store.js"
 
 // of the picture in pixels, and in how many columns and rows stress is summed; half as many while a slider is held
 const ROWS = 60
@@ -21,7 +21,9 @@ const sheet = make("canvas")
 // of red, green and blue: orders over that of green, as their waves are longer and shorter
 const CHANNELS = [1.1, 1, 0.91]
 
-export function connectFringes() {
+export function connect() {
+  addPart("punch", "fringes", { kind: "image", picture: null, smooth: true }, "substrate")
+  frame(["picture"], () => { if (me.picture) drawFringes(me.picture.run, me.picture.k) })
   for (const [id, name] of [["stress", "fringes"], ["fringe", "fringe"]]) {
     const choice = by(id), usual = choice.value
     choice.value = kept(name)
@@ -69,7 +71,7 @@ function tableNow({ head: { scene } }, half) {
   return { table, deep: wanted.depth / table?.asked.depth }
 }
 
-export function drawFringes(run, k) {
+function drawFringes(run, k) {
   const { punch } = charts, box = isShown(by("punch-view")) ? punch.box : null
   if (!box) return
   drawKey()

@@ -1,8 +1,8 @@
 // What is inside the layer, summed from the tractions of a frame and a table of how each of their modes reaches into it
 // (solver/analysis/interior.py), sent once for a geometry.
 
-import { order, take } from "./channel.js"
-import { redrawPunch } from "./store.js"
+import { order, take } from "../../static/js/channel.js"
+import { redrawPunch } from "../../static/js/store.js"
 
 const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/extras.py
 const KEPT = 3 // of each

@@ -4,6 +4,8 @@ import pytest
 from served import enter, laid_out, values_are
 
 pytestmark = pytest.mark.thorough
+
+
 KEY = "document.getElementById('fringe-most').textContent"
 
 
@@ -55,6 +57,8 @@ LOWEST = """(part) => {
     for (let y = height - 1; y >= 0; y--) if (painted(x, y)) return [...data.slice(4 * (y * width + x)).slice(0, 4)]
     return null
 }"""
+
+
 CHOOSE = "(of, value) => { of.value = value; of.dispatchEvent(new Event('change')) }"
 
 
