@@ -16,7 +16,8 @@ In index.js, the modules of static/js offer:
     store.js      declare({field: value}) a field of `me`; view([fields], draw), frame([fields], draw)
     channel.js    order(name, fields) to the server; take(name, call, unpack) what it sends
     charts.js     addChart(name, made); addPart(chart, name, part, before); CURVES.push(name)
-    inputs.js     KEYS[key] = call; connectChart(name)
+    inputs.js     KEYS[key] = call
+    hover.js      connectChart(name) after addChart
     curves.js     more[quantity] = lists of values that the axis must hold
 
 Words and numbers of the page are read from `me`; pictures are drawn in a `frame`. Scripts of features may come after

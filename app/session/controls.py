@@ -77,7 +77,7 @@ FOR_SERVER: set[str] = {"preset", "profile", "lab", "curve", *PARAMETERS}  # in 
 # In an address, for the browser; `pin` and `force` are of older links and have no effect
 FOR_BROWSER: set[str] = {
     *("v", "k", "page", "theme", "embed", "tour", "view", "more", "pin", "force"),
-    *("class", "ask", "change", "check"),
+    *("class", "ask", "change"),
 }
 STAYS = " The run on screen stays."
 _profiles = LRUCache(32)  # uploaded ones of this server by the name in an address, the latest used

@@ -17,7 +17,7 @@ from bokeh.util.token import generate_jwt_token
 from panel.reactive import Syncable
 from tornado import locks
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
-from visitor import say, waited
+from visitor import OWN, say, waited
 
 from app import pages
 from app.experiment import Experiment
@@ -329,7 +329,7 @@ def test_every_order_that_the_scripts_give_is_declared_and_a_parameter_of_the_st
 
 def test_every_message_that_the_scripts_take_is_a_parameter_of_the_stage(session):
     scripts = "".join(path.read_text(encoding="utf-8") for path in SCRIPTS)
-    own = {name for name, parameter in Stage.param.objects().items() if parameter.owner is Stage}
+    own = {name for name, parameter in Stage.param.objects().items() if parameter.owner in OWN}
     own -= {"name"}
     assert set(re.findall(r'\btake\("(\w+)"', scripts)) == own - session.orders.keys()
 

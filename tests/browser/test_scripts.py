@@ -8,7 +8,6 @@ import pytest
 from scripts import SHORT, run_of
 
 from app.service import packing
-from solver import Scene
 
 APP = Path(__file__).parents[2] / "app"
 
@@ -16,9 +15,6 @@ APP = Path(__file__).parents[2] / "app"
 MODULES = sorted(
     path.relative_to(APP).as_posix() for room in ("static", "features", "pages") for path in (APP / room).rglob("*.js")
 )
-
-
-WIDE = Scene(u_x_max=2.0)  # has free nodes at its edges
 
 
 LOOP = SHORT.changed(path="loop", u_x_max=6.0)
@@ -129,32 +125,6 @@ def test_nearest_frame_of_a_loop_lies_on_the_leg_on_screen(tab):
         now = leg[len(leg) // 2]
         k = tab.evaluate(f"run.nearest(2.04, {now})")
         assert frames[k].stage == stage and frames[k].U_x == pytest.approx(2.04, abs=LOOP.du_x)
-
-
-def test_contact_map_is_empty_where_no_traction_acts(tab):
-    frames = run_of(tab, WIDE)
-    shear = [frame for frame in frames if frame.stage == "shear"]
-    made = tab.evaluate(
-        """(() => {
-            const { image, rows, columns, start, low } = run.map(run.length - 1)
-            return { image: [...image].map((v) => (Number.isNaN(v) ? null : v)), rows, columns, start, low }
-        })()"""
-    )
-    image = np.array(made["image"], dtype=float).reshape(made["rows"], made["columns"])
-    assert made["columns"] == len(shear) and made["start"] == 0.0
-    peak = WIDE.phi_n / (np.e * WIDE.delta_n)
-    for column in (0, len(shear) // 2, -1):
-        frame = shear[column]
-        nodes = frame.first + np.arange(frame.u.shape[1])
-        own = np.full(nodes.size, np.nan)  # a browser gets no nodes that are far away
-        rows = nodes - round((made["low"] + WIDE.width / 2) / WIDE.spacing + 0.5)
-        sent = (rows >= 0) & (rows < made["rows"])
-        own[sent] = image[rows[sent], column]
-        gap = WIDE.profile[nodes % WIDE.nodes] + frame.u[1]
-        acts = (gap <= WIDE.delta_n) | (frame.T[1] <= -packing.FREE * peak)
-        sure = np.abs(frame.T[1] + packing.FREE * peak) > ROUNDED * peak  # not on the limit, where rounding decides
-        assert (np.isfinite(own) == acts)[sure].all() and acts.any() and not acts.all()
-        assert own[acts & sure] == pytest.approx(frame.T[1][acts & sure], abs=ROUNDED * np.abs(frame.T[1]).max())
 
 
 def test_numbers_use_a_true_minus_sign_and_no_negative_zero(tab):

@@ -1,10 +1,10 @@
-// The charts of the experiment: the punch, forces and area over the path, and the map of tractions. Pages add theirs.
+// The charts of the experiment: the punch, forces and area over the path. Features add theirs.
 
 import { Chart } from "./chart.js"
 import { isShown, readAgain } from "./colours.js"
 import { by } from "./dom.js"
 
-export const CURVES = ["forces", "area", "map"]
+export const CURVES = ["forces", "area"] // over the path; features may add one
 export const charts = {} // {name: Chart}
 globalThis.charts = charts // for the console, and for tests
 const DASHED = [6, 4]
@@ -17,7 +17,6 @@ export function addPart(chart, name, part, before = null) {
   charts[chart].parts = Object.fromEntries(parts)
 }
 export const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
-const pins = () => ({ kind: "lines", list: [] })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
 const drawing = () => ({ kind: "drawing", draw: () => {} })
 const measured = (ink) => ({ kind: "marks", marker: "circle", size: 5, hollow: true, ink, ...none })
@@ -39,25 +38,20 @@ export function makeCharts(nodes) {
     across: "x on the substrate, from the middle (nm)", up: "height (nm)", parts: {
       substrate: { kind: "below", ink: "--text", alpha: 0.12 },
       body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
-      sites: line("--text", { width: 2.5 }), ...marksOf(nodes), pins: pins(),
+      sites: line("--text", { width: 2.5 }), ...marksOf(nodes),
       story: drawing(), page: drawing(),
     } })
   addChart("forces", { x: { ...path }, y: { start: -1, end: 2 },
     across: "", up: "F, L (N/m)", parts: {
-      zero: { kind: "across", ink: "--grid" }, pins: pins(),
+      zero: { kind: "across", ink: "--grid" },
       ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
-      laid_F: measured("--pin-1"), laid_L: measured("--pin-4"),
+      laid_F: measured("--laid-1"), laid_L: measured("--laid-2"),
       F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
       slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
     } })
   addChart("area", { x: { ...path }, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
-    pins: pins(), ghost_A: line("--ghost", { width: 3 }), laid_A: measured("--pin-1"), A: line("--area", { width: 2 }),
+    ghost_A: line("--ghost", { width: 3 }), laid_A: measured("--laid-1"), A: line("--area", { width: 2 }),
     slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
-  } })
-  addChart("map", { x: { ...path }, y: { ...place }, across: "", up: "x (nm)", parts: {
-    map: { kind: "image", picture: null }, unrested: { kind: "stripes", list: [], ink: "--free" },
-    branch: line("--text", { dash: DASHED }), // edges of the contact in other stages
-    pins: pins(), slips: { ...SLIP, ...none }, cursor: cursor(),
   } })
 }
 

@@ -1,8 +1,6 @@
-// The curves and the map of the run on screen, into their charts.
+// The curves of the run on screen, into their charts.
 
-import { valueAt } from "./chart.js"
-import { charts, chartShown, dashLoad } from "./charts.js"
-import { nice, pictureOf, shades } from "./colours.js"
+import { charts, CURVES, dashLoad } from "./charts.js"
 import { by, tell } from "./dom.js"
 import { differing, digits, fixed, named } from "./quantities.js"
 import { me } from "./store.js"
@@ -37,16 +35,15 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
   return [a, b]
 }, [0, 0])
 
-// Pins whose runs are drawn along the same path as a run
-export const beside = (run) => me.pins.filter(({ shown, run: pinned }) => (
-  shown && pinned.sheared >= 0 && pinned.head.abscissa === run.head.abscissa))
+// Whether a run is drawn along the same path as another
+export const drawnAlong = (one, run) => one.sheared >= 0 && one.head.abscissa === run.head.abscissa
 
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {
   // along something else, or drawn already
-  const pinned = me.pins.some(({ shown, run: of }) => shown && of === ghost)
-  if (pinned || ghost?.head.abscissa !== run.head.abscissa) ghost = null
-  const known = new Map([run, ghost, ...beside(run).map((pin) => pin.run)].map((of) => [of, {}])) // made once
+  if (me.beside.includes(ghost) || ghost?.head.abscissa !== run.head.abscissa) ghost = null
+  const others = me.beside.filter((of) => drawnAlong(of, run))
+  const known = new Map([run, ghost, ...others].map((of) => [of, {}])) // made once
   const part = (of, name) => (of ? (known.get(of)[name] ??= of.drawn(name, approach)) : NOTHING)
   for (const [chart, name] of [["forces", "F"], ["forces", "L"], ["area", "A"]]) {
     for (const [label, of] of [[`ghost_${name}`, ghost], [name, run]]) {
@@ -58,7 +55,7 @@ export function drawCurves(run, ghost, approach) {
   nameGhost(run, ghost)
   nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, approach)
-  const values = (name) => [...[...known.keys()].map((of) => part(of, name).value), me.laid?.shown[name] ?? []]
+  const values = (name) => [...[...known.keys()].map((of) => part(of, name).value), ...(me.more[name] ?? [])]
   fitCurves(run, approach, ["F", "L"].map(values), values("A"))
 }
 
@@ -75,7 +72,7 @@ function markSlips(run, approach) {
 // Axes that hold the forces and areas of all runs drawn
 function fitCurves(run, approach, forces, areas) {
   const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
-  for (const name of ["forces", "area", "map"]) charts[name].range("x", { start: start - room, end: end + room })
+  for (const name of CURVES) charts[name].range("x", { start: start - room, end: end + room })
   fit(charts.forces, ...extent([-0.01, 0.02], ...forces.flat()))
   const all = areas.flatMap((list) => [...list]), least = Math.min(...all), most = Math.max(...all, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
@@ -119,11 +116,11 @@ function nameAxis(abscissa) {
   const dashed = abscissa !== "delta" // over the same indentation dashes of both ways would fill each other's gaps
   dashLoad(dashed)
   document.querySelector("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", dashed)
-  for (const name of ["forces", "area", "map"]) charts[name].across = label
+  for (const name of CURVES) charts[name].across = label
 }
 
 // What the charts say about a place that the mouse points at
-const where = (x) => `${AXES[abscissaNamed][0]} = ${fixed(x, 1)} nm`
+export const where = (x) => `${AXES[abscissaNamed][0]} = ${fixed(x, 1)} nm`
 const at = (x) => (me.run?.sheared >= 0 ? me.run.nearest(x, me.at) : null)
 const says = (names) => ({ x }) => {
   const k = at(x)
@@ -132,40 +129,10 @@ const says = (names) => ({ x }) => {
 export function connectCurves() {
   charts.forces.says = says(["F", "L"])
   charts.area.says = says(["A"])
-  charts.map.says = ({ x, y }) => {
-    const { map } = charts.map.parts
-    if (!map.picture) return null
-    const T = valueAt(map, { x, y }), here = [where(x), `x = ${fixed(y, 0)} nm`]
-    if (T === T) return [...here, `Tₙ = ${fixed(T, 3)} GPa`]
-    return me.run.whole ? [...here, "free"] : here // what is not computed yet is not free
-  }
-}
-
-export function drawMap(run, shown) {
-  if (run.sheared < 0 || !chartShown("map")) return
-  const { image: values, rows, columns, start, low, step, unrested } = run.map(shown), chart = charts.map
-  limitShades(run)
-  const limits = [-ends[0], ends[1]], picture = pictureOf(values, [rows, columns], shades(...limits))
-  chart.fill("map", { picture, limits, values, rows, columns,
-    x: start - step / 2, y: low, wide: columns * step, high: rows * run.head.spacing })
-  chart.fill("unrested", { list: unrested })
-  by("unrested").hidden = !unrested.length
-  const { U_x: x, x: y } = run.otherEdges(shown)
-  chart.fill("branch", { x, y })
-  by("branch").hidden = !y.some((place) => place === place)
-  const [loads] = run.slips("F_bar", run.stageOfMap(shown), run.approaching(shown))
-  chart.fill("slips", { x: loads, y: loads.map(() => 0.94 * chart.y.start) })
 }
 
 // The limits of the colours of a chart, GPa, in its key
 export function tellLimits(chart, low, high) {
   tell(by(`${chart}-low`), digits(low, 2))
   tell(by(`${chart}-high`), `+${digits(high, 2)} GPa`)
-}
-
-const ends = [0, 0] // GPa, at which the colours of the map end
-function limitShades(run) {
-  const needed = [-run.T_low, run.T_high].map((T) => nice(Math.max(T, LEAST)))
-  needed.forEach((GPa, i) => { ends[i] = settled(ends[i], GPa) })
-  tellLimits("map", -ends[0], ends[1])
 }

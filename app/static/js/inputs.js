@@ -83,7 +83,7 @@ function onKey(event) {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
-    || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !(key === " " || /^[a-z]$/.test(key)))
+    || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !/^[ a-z]$/.test(key))
   if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
   hideHint()
@@ -155,7 +155,6 @@ export function connect() {
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
-  on("pin", "click", async () => (await fetched(() => import("./later/pins.js")))?.pinRun())
   on("data", "click", async () => (await fetched(() => import("./later/overlay.js")))?.choose())
   connectDrop()
   on("take", "click", async () => (await fetched(() => import("./share.js")))?.open())

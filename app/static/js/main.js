@@ -7,6 +7,7 @@ import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
 import { by } from "./dom.js"
 import * as draw from "./draw.js"
+import { connectChart } from "./hover.js"
 import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
@@ -28,6 +29,7 @@ export function start() {
   Object.assign(declared, JSON.parse(by("declarations").textContent))
   makeCharts(declared.marks.punch)
   connectCurves()
+  for (const name in charts) connectChart(name)
   address.connect()
   inputs.connect()
   connectLens()
@@ -60,7 +62,6 @@ export function start() {
   plugIn(declared.features)
   const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
-  if (asked.has("check")) import("./later/check.js").then(({ check }) => check())
   if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }
 

@@ -5,9 +5,9 @@
 
 import { ask, order } from "./channel.js"
 import { addEntry } from "./address.js"
-import { charts, CURVES } from "./charts.js"
+import { charts } from "./charts.js"
 import { by, fetched, readdress } from "./dom.js"
-import { goto } from "./player.js"
+import { connectChart } from "./hover.js"
 import { declared, me, redraw, redrawPunch, view } from "./store.js"
 
 const modules = {} // {page: its script}, as loaded so far
@@ -25,7 +25,6 @@ export function connect() {
   addEventListener("popstate", showAddressed)
   view(["look"], () => call("receive", sheet))
   view(["picture"], () => framePage("frame"))
-  for (const name in charts) connectChart(name)
   charts.punch.fill("page", { draw: (...punch) => framePage("over", ...punch) })
 }
 
@@ -114,29 +113,4 @@ export function receive(news) {
 function framePage(what, ...punch) {
   const { run, k } = me.picture ?? {}
   if (run && run === me.run) call(what, ...punch, run, k)
-}
-
-const resized = new ResizeObserver(redraw) // what rests is drawn anew, in the size of the text there
-
-// Beside the mouse a chart says what is there. On a curve of the run, that increment is shown in every view while
-// playback rests, and a click goes there
-function connectChart(name) {
-  const chart = charts[name], { view: surface } = chart, curve = CURVES.includes(name)
-  resized.observe(surface)
-  const px = (event) => {
-    const { left, top } = surface.getBoundingClientRect()
-    return { x: event.clientX - left, y: event.clientY - top }
-  }
-  const there = (at) => (me.run?.sheared >= 0 && chart.box ? me.run.nearest(chart.placeOf(at).x, me.at) : null)
-  const point = (at) => {
-    me.pointed = at && { name, ...at }
-    if (curve && (at === null || !me.playing)) me.preview = at && there(at)
-  }
-  surface.addEventListener("pointermove", (event) => { if (event.pointerType !== "touch") point(px(event)) })
-  surface.addEventListener("pointerleave", () => point(null))
-  if (!curve) return
-  surface.addEventListener("click", (event) => {
-    const k = there(px(event))
-    if (k !== null) goto(k)
-  })
 }

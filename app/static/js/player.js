@@ -2,10 +2,10 @@
 
 import { heard } from "./channel.js"
 import { by, closest } from "./dom.js"
+import { AFTER, firstOfPath } from "./events.js"
 import { unpackLater } from "./packed.js"
 import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
-import { AFTER, firstOfPath } from "./sentence.js"
 import { chunkFrom } from "./skeleton.js"
 import { restore, sendNext } from "./steer.js"
 import { declared, ended, exact, me, now, reduced, set, touch, view } from "./store.js"

@@ -71,21 +71,23 @@ function drawSites({ spacing, middle }) {
     x: [first, first + 2 * half * spacing + SITE / box.across], y: [0, 0] })
 }
 
-// How far from the middle the map of a run reaches, and its punch is seen, nm
-const reach = ({ head: { flat, nodes, spacing }, reach: acting }) => (
+// How far from the middle something acts in the run on screen, nm, as an axis
+export const reach = { half: 250 }
+// The same of a run, and how far of it is seen of its punch, nm
+const reachOf = ({ head: { flat, nodes, spacing }, reach: acting }) => (
   flat ? Math.min(100, (nodes / 2 - 1) * spacing) : Math.max(100, 50 * Math.ceil((acting * 1.05) / 50)))
 const seen = ({ head: { flat, spacing } }, half) => (flat ? Math.min(half, SITES * spacing) : half)
 
 // What stays the same while a run is played: ranges that hold all of its frames
 export function fitFrames(run) {
   if (me.dragging) return
-  const { map, punch } = charts, { flat } = run.head, half = run.apart ? map.y.end : reach(run)
+  const { punch } = charts, { flat } = run.head, half = run.apart ? reach.half : reachOf(run)
   const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
   if (others) change() // other views are in sight
   const spare = flat || others ? 0 : TAIL
-  const wide = settled(punch.x.end, seen(run, half), spare), tall = settled(map.y.end, half, spare)
-  map.range("y", { start: -tall, end: tall })
+  const wide = settled(punch.x.end, seen(run, half), spare)
+  reach.half = settled(reach.half, half, spare)
   punch.range("x", { start: -wide, end: wide })
   punch.range("y", { start: -settled(-punch.y.start, Math.max(DEEP, -1.15 * run.lowest)) })
   drawSites(run.head)

@@ -1,6 +1,6 @@
 // A run: its frames as they arrive (packed.js), and its curves and map as views ask for them.
 
-import { acts, Frames } from "./frames.js"
+import { Frames } from "./frames.js"
 
 export const WEAK = 0.1 // of the peak attraction: the views reach as far as anything stronger acts
 // Curves in units: of which column, and what its unit is
@@ -196,63 +196,6 @@ export class Run extends Frames {
       if (nearer < -close || (nearer < close && Math.abs(k - now) < Math.abs(best - now))) best = k
     }
     return best
-  }
-
-  // Normal traction (GPa) over place and displacement, of the stage of frame `shown`; free places and increments
-  // still to come are NaN
-  map(shown) {
-    const stage = this.stageOfMap(shown)
-    const frames = this.frames((k) => (stage === null ? k >= this.sheared : this.curves.stage[k] === stage))
-    const blocks = [...new Set(frames.map((k) => this.headOf(k)))]
-    const from = Math.min(...blocks.map((head) => head.first))
-    const to = Math.max(...blocks.map((head) => head.first + head.nodes))
-    const approach = this.approaching(shown), [start, end] = this.extent(approach)
-    const step = approach ? this.head.approach[2] : this.head.step, along = this.curves[this.part(approach).abscissa]
-    const columns = Math.round((end - start) / step) + 1
-    const rows = to - from
-    const image = new Float32Array(rows * columns).fill(NaN)
-    for (const k of frames) {
-      const { head, of } = this.sent(k), { first, scales } = head, T_z = of("T_z")
-      const c = Math.round((along[k] - start) / step)
-      of("gap").forEach((gap, i) => {
-        const value = T_z[i] * scales.T_z
-        if (acts(head, value, gap * scales.gap)) image[(first - from + i) * columns + c] = value
-      })
-    }
-    const low = (from - 0.5) * this.head.spacing - this.head.middle
-    return { image, rows, columns, start, step, unrested: this.unrested(frames, along, step), low }
-  }
-
-  // [middle, width] of every stretch of the path without a frame, for the surface never came to rest there
-  unrested(frames, along, step) {
-    return frames.slice(1).flatMap((k, i) => {
-      const [a, b] = [along[frames[i]], along[k]], missed = Math.abs(b - a) - step
-      return missed > 0.6 * step && this.curves.slip[k] ? [[(a + b) / 2, missed]] : []
-    })
-  }
-
-  // Edges of what is repelled (place along the path, x, nm) in stages that the map does not show: the other branches of
-  // a loop, each edge a line that ends with NaN
-  otherEdges(shown) {
-    const stage = this.stageOfMap(shown), { from, to, abscissa } = this.part(this.approaching(shown))
-    const lines = { U_x: [], x: [] }, along = this.curves[abscissa]
-    if (stage === null) return lines
-    for (const other of new Set(this.curves.stage.slice(from, to))) {
-      if (other === stage) continue
-      const frames = this.frames((k) => k >= from && k < to && this.curves.stage[k] === other)
-      for (const edge of this.edgesOver(frames)) {
-        lines.U_x.push(...frames.map((k) => along[k]), NaN)
-        lines.x.push(...edge, NaN)
-      }
-    }
-    return lines
-  }
-
-  // The stage that the map shows; null: all after the approach, as a path never turns back
-  stageOfMap(shown) {
-    if (this.approaching(shown)) return 0
-    if (this.head.abscissa === "path") return null
-    return this.curves.stage[Math.max(shown, this.sheared)]
   }
 
   // What the curves extend over: what was planned, and farther where a punch that still adheres is retracted on

@@ -1,7 +1,7 @@
 // Friction over load: the first slip of every computed run that this visitor has seen.
 
 import { differing } from "./quantities.js"
-import { firstOfPath } from "./sentence.js"
+import { firstOfPath } from "./events.js"
 import { exact, me, view } from "./store.js"
 
 // {key, U (nm), F, L (N/m), scene, changed: the one parameter that differs, or null; stage: of a slip on a path through

@@ -23,7 +23,7 @@ export function connect() {
 export function heard(news) {
   const old = me.status
   me.status = { ...old, ...news }
-  by("pin").disabled = by("take").disabled = false // they need the scene
+  by("take").disabled = false // it needs the scene
   acknowledged(me.status.acknowledged)
   sendNext()
   if (me.waiting.length) return // it was sent before the server heard of another scene

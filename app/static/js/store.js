@@ -14,9 +14,11 @@ export const declared = {} // what Python declares, as main.js receives it
 const fields = {
   // the run on screen, the pale one behind it, the computed run that was on screen when the change began
   run: null, ghost: null, start: null,
-  pins: [], laid: null, lesson: null, // see later/pins.js, later/overlay.js, later/lesson.js
+  beside: [], more: {}, // runs drawn with it; {quantity: lists of values that its axis holds, too}
+  laid: null, lesson: null, // see later/overlay.js, later/lesson.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last
+  said: "", // what happens in it, in words
   instead: null, // {run, k, paused}: drawn in place of the increment
   pointed: null, // {name, x, y}: the chart that the mouse points at, and px in it
   playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
@@ -26,7 +28,7 @@ const fields = {
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held
   move: { name: "" }, // parameters changed by hand: one object for as long as it is one movement
   rests: 400, // ms without a move, after which a hand rests although it holds on
-  charted: null, mapped: true, approach: false, // the run whose curves are drawn; whether its map is; which part
+  charted: null, approach: false, // the run whose curves are drawn; which part
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 

@@ -1,13 +1,13 @@
 // The story over the punch: who pulls, what holds, what lets go. Drawn with every frame.
 
 import { charts } from "./charts.js"
-import { by, tell } from "./dom.js"
+import { by } from "./dom.js"
+import { AFTER } from "./events.js"
 import { drawLattice, drawLens } from "./lens.js"
 import { arrow, inks, line, size, write } from "./pen.js"
 import { BAR, drawnFrame } from "./punch.js"
 import { fixed, withUnit } from "./quantities.js"
-import { AFTER, changeSentence, nowSentence, phaseSentence, saidNext } from "./sentence.js"
-import { me, memory, sees } from "./store.js"
+import { me, sees } from "./store.js"
 
 const REST = 46 // px, a drive that is not stretched
 const TURNS = 12 // of its spring
@@ -165,19 +165,4 @@ function drawMoved({ pen, X, Y, frame, run, k, slip, ink }) {
     else line(pen, stretch.splice(0), ink.slip, 14)
   }
   pen.globalAlpha = 1
-}
-
-const compared = memory() // the runs
-let sentence = { key: "", text: "", k: 0, since: -Infinity } // on screen
-
-// The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
-export function tellNow(run, k) {
-  const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
-  const said = saidNext(sentence, next, { moving, k, run, dragging: me.dragging, time: performance.now() })
-  tell(by("sentence"), said.text)
-  sentence = said
-  if (!compared(run, me.ghost, run.whole)) return
-  const changed = changeSentence(run, me.ghost)?.text ?? ""
-  tell(by("why"), changed)
-  by("announcement").textContent = changed // the text on the run before is out of date
 }

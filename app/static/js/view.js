@@ -50,11 +50,10 @@ export function connectViews() {
   on("projector", "click", project)
   on("more", "click", seeMore)
   on("chosen", "change", (event) => choose(event.target.value))
-  for (const curve of CURVES) {
-    document.querySelector(`main .${curve} figcaption`).addEventListener("click", ({ target }) => {
-      if (!target.closest("button, label")) choose(curve)
-    })
-  }
+  document.querySelector(".views").addEventListener("click", ({ target }) => {
+    const curve = CURVES.find((name) => target.closest(`.${name} > figcaption`))
+    if (curve && !target.closest("button, label")) choose(curve)
+  })
   choose(CURVES[0])
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
@@ -66,6 +65,7 @@ export function connectViews() {
 // One of the curves is large
 export function choose(curve) {
   document.querySelector("main").dataset.chosen = curve
+  for (const name of CURVES) document.querySelector(`.views > .${name}`).toggleAttribute("data-large", name === curve)
   document.querySelector(`#chosen [value="${curve}"]`).checked = true
   redraw()
 }

@@ -23,17 +23,22 @@ export function parameters({ values, address, preset } = me.status) {
 }
 
 // What happens on screen, for those who hear the page: the sentence, and the numbers
-export function summary(run, k, sentence) {
+export function summary(run, k, said) {
   const { U_x, F, L, A } = run.values(k), area = run.head.flat ? "" : `, contact ${spoken("A", A)} wide`
-  return `Now: ${sentence} Displacement ${spoken("U_x", U_x)}, friction ${spoken("F", F)}, `
+  return `Now: ${said} Displacement ${spoken("U_x", U_x)}, friction ${spoken("F", F)}, `
     + `load ${spoken("L", L)}${area}.`
+}
+
+// What is on screen at rest, for those who hear the page
+export function tellSummary() {
+  const { picture, said, playing, dragging } = me
+  if (picture && !playing && !dragging) tell(by("now"), summary(picture.run, picture.k, said))
 }
 
 // The increment on screen in numbers: above the player with *More*, and for those who hear the page
 export function tellFrame(run, k) {
   const v = run.values(k), stage = run.stage(k)
   by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${v.index}`)
-  if (!me.playing && !me.dragging) tell(by("now"), summary(run, k, by("sentence").textContent))
   if (!isShown(by("readout"))) return
   const slipped = v.slip ? (run.normal || run.approaching(k) ? ", JUMP" : ", SLIP") : ""
   const looped = stage !== "approach" && run.head.span[0] < 0 && !run.normal

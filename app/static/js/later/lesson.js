@@ -74,7 +74,7 @@ function tell() {
 }
 
 function connect() {
-  by("pins").after(make("section", { id: "lesson", className: "pins", "aria-label": "Class", hidden: true },
+  by("above").append(make("section", { id: "lesson", className: "strip", "aria-label": "Class", hidden: true },
     make("b"), make("span"), make("span", { role: "status" })))
   take("lesson", receive)
 }

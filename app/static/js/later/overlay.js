@@ -71,7 +71,7 @@ function receive({ curve, why, key }) {
   if (!curve) return refuse(why)
   say("laid-why", "")
   by("laid-ask").hidden = true
-  me.laid = { curve, key, name: file.name, base: PLAIN, set: PLAIN, shown: {}, fresh: true }
+  me.laid = { curve, key, name: file.name, base: PLAIN, set: PLAIN, fresh: true }
   if (curve.kind === "area over displacement") {
     if (!sees("more")) seeMore()
     chooseCurve("area")
@@ -124,10 +124,10 @@ function draw() {
   for (const [of, chart] of Object.entries(PARTS)) {
     const there = laid && !laid.off && laid.curve.segments[0][of] && belongs(run, laid)
     const { x, y } = there ? pointsOf(laid.curve, of, run, laid.set) : { x: [], y: [] }
-    if (there) shown[of] = y
+    if (there) shown[of] = [y]
     charts[chart].fill(`laid_${of}`, { x: thinned(x), y: thinned(y) })
   }
-  if (laid) laid.shown = shown
+  me.more = shown
   drawRelation(run)
   describe()
 }
@@ -196,7 +196,7 @@ const handle = (id, text) => make("label", {}, `${text} `,
   make("input", { type: "range", id, min: -100, max: 100, value: 0, oninput: turn }))
 
 function connect() {
-  by("pins").after(make("section", { id: "laid", className: "pins", "aria-label": "Your data" },
+  by("above").append(make("section", { id: "laid", className: "strip", "aria-label": "Your data" },
     make("span", { id: "laid-says" }),
     makeButton({ id: "laid-path", hidden: true, onclick: () => enter({ path: pathOf(me.laid.curve) }) },
       "Compute that path"),

@@ -21,7 +21,7 @@ ROUNDED = 2e-3  # what the packed fields are good for
 WRITTEN = 6e-3  # and numbers in three digits
 WEAK = 0.11  # of the peak attraction, as WEAK of run.js, with its rounding
 READ = """async ({ now, before, at }) => {
-    const { changeSentence, nowSentence, phaseSentence } = await import("http://scripts/static/js/sentence.js")
+    const { changeSentence, nowSentence, phaseSentence } = await import("http://scripts/features/sentence/sentence.js")
     const run = await runOf(now), other = before && (await runOf(before))
     const said = at.flatMap((k) => [nowSentence(run, k), phaseSentence(run, k)])
     return { said, change: other && changeSentence(run, other) }
@@ -335,7 +335,7 @@ def test_the_sentence_on_a_change_does_not_contradict_the_one_beside_it(tab, dep
 
 
 PLAYED = """async ({ now, speed }) => {
-    const { phaseSentence } = await import("http://scripts/static/js/sentence.js")
+    const { phaseSentence } = await import("http://scripts/features/sentence/sentence.js")
     const { paceAt } = await import("http://scripts/static/js/player.js")
     const run = await runOf(now), seen = [], DT = 0.02
     for (let at = run.beginning; at < run.length - 1; at += (DT * paceAt(run, at, speed)) / run.head.step) {
@@ -369,13 +369,13 @@ def test_smooth_sliding_is_one_phase_with_its_force_range(tab):
 
 def test_a_friction_that_vanishes_has_no_range_of_zero(tab):
     """It swung by ±0 N/m."""
-    tab.evaluate("async () => { window.swing = (await import('http://scripts/static/js/sentence.js')).swing }")
+    tab.evaluate("async () => { window.swing = (await import('http://scripts/features/sentence/sentence.js')).swing }")
     assert tab.evaluate("swing({ low: -1e-6, high: 1e-6 })") == "too little to be shown"
     assert tab.evaluate("swing({ low: -71.4, high: 71.4 })") == "by ±71.4 N/m"
 
 
 LOOPS = """async ({ now, speed, loops }) => {
-    const { phaseSentence, saidNext } = await import("http://scripts/static/js/sentence.js")
+    const { phaseSentence, saidNext } = await import("http://scripts/features/sentence/sentence.js")
     const run = await runOf(now), seen = [], MS = 20
     let said = { key: "", text: "", k: 0, since: -Infinity }, time = 0
     for (let loop = 0; loop < loops; loop++) {
@@ -422,7 +422,7 @@ def test_every_parameter_of_a_scene_is_told_with_its_value_also_where_that_is_a_
 
 COUNTED = """async (now) => {
     const { Run } = await import("http://scripts/static/js/run.js")
-    const { phaseSentence } = await import("http://scripts/static/js/sentence.js")
+    const { phaseSentence } = await import("http://scripts/features/sentence/sentence.js")
     const run = await runOf(now)
     let decoded = 0
     const frame = Run.prototype.frame

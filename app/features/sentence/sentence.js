@@ -1,11 +1,11 @@
 // The live sentence: what happens at a frame of a run, and what a change has done, in plain words and true numbers.
 // Each rule returns {key, text}: key names the moment, so that a sentence stays while it lasts. The test
-// tests/browser/test_sentence.py reads the text and checks it against the solver. Pure functions of runs.
+// tests/features/sentence/test_page.py reads the text and checks it against the solver. Pure functions of runs.
 
-import { differing, fixed, number, withUnit } from "./quantities.js"
-import { WEAK } from "./run.js"
+import { AFTER, eventOf, firstSlip } from "../../static/js/events.js"
+import { differing, fixed, number, withUnit } from "../../static/js/quantities.js"
+import { WEAK } from "../../static/js/run.js"
 
-export const AFTER = 1.0 // nm of the path for which a slip is what happens
 const LET_GO = 0.5 // sites of peeling that are worth a word
 const MORE = 1.3 // times as far: more on one side
 const SAME = 0.01 // a change by less is none
@@ -179,21 +179,6 @@ function smooth(run, k) {
   }
   return run.slides && k >= run.slides.from ? run.slides : null
 }
-
-const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
-
-// Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F and L (N/m), A (nm)}; null
-// where there is no slip
-function eventOf(run, at) {
-  if (at < 0) return null
-  const { slip_at: load, F_slip, L_slip, slip_A } = run.curves
-  return { at, U: load[at], F: F_slip[at], L: L_slip[at], A: slip_A[at] * 2 * run.head.middle }
-}
-export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
-
-// The same, of any stage after the approach on a path through points
-export const firstOfPath = (run) => (run.head.abscissa !== "path" ? firstSlip(run)
-  : eventOf(run, run.curves.slip.findIndex((slipped, i) => slipped && i > Math.max(0, run.sheared))))
 
 const CHANGES = { // parameter: what more and less of it is called
   E: ["Stiffer", "Softer"], delta_bar: ["Pressed deeper", "Pressed less"],

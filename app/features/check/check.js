@@ -1,11 +1,11 @@
 // ?check: whether this device and the way to the server do what the page needs, in words that can be photographed. That
 // its scripts run is the first line: page and server write that they do not.
 
-import { opensElsewhere, originForOthers } from "../address.js"
-import { charts } from "../charts.js"
-import { by, make, tell } from "../dom.js"
-import { enter } from "../steer.js"
-import { declared, me } from "../store.js"
+import { opensElsewhere, originForOthers } from "../../static/js/address.js"
+import { charts } from "../../static/js/charts.js"
+import { by, make, tell } from "../../static/js/dom.js"
+import { enter } from "../../static/js/steer.js"
+import { declared, me } from "../../static/js/store.js"
 
 const PATIENCE = 30_000 // ms until what has not come is missing: a cold server compiles its kernels first
 const LOOK = 500 // ms between two looks
