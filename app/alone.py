@@ -52,7 +52,7 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
     jinja = Environment(trim_blocks=True, lstrip_blocks=True)
     jinja.globals["base"] = jinja.from_string(BASE)
     jinja.globals["macros"] = jinja.from_string("{% macro embed(root) %}{% endmacro %}")
-    text = jinja.from_string("{% extends base %}\n" + page.template("", alone=True)).render(values)
+    text = jinja.from_string("{% extends base %}\n" + page.template(alone=True)).render(values)
     return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
 
 

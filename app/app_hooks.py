@@ -9,11 +9,10 @@ from contextlib import suppress
 from threading import Thread
 from typing import Any
 
-import numpy as np
 from bokeh.settings import settings
 from tornado.ioloop import IOLoop, PeriodicCallback
 
-from app import lab, routes, server_log
+from app import interface, lab, routes, server_log
 from app.experiment import example, visitors
 from app.page import shared
 from app.service import metrics, worker
@@ -21,8 +20,6 @@ from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
 from app.service.stored import row
-from solver import Scene
-from solver.mechanics import cohesive_law
 
 LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
@@ -52,12 +49,13 @@ def _end_with_parent():
 
 
 def _load():
-    """Load research pages, and the kernel of the interface law for its page, after a worker has compiled it."""
+    """Load what features need for later visitors, after a worker has compiled the kernels."""
     with suppress(Lost, CancelledError):
         pool.submit(worker.ready, owner=NOBODY, rank=LATER).result()
         for name in lab.PAGES:
             lab.module(name)
-        cohesive_law.traction(Scene(), np.zeros(1), 0.0)
+        for feature in interface.classes().values():
+            feature.load()
     gc.collect()
     gc.freeze()  # Panel collects garbage after every visit: objects of what is loaded are skipped
 

@@ -32,7 +32,6 @@ def root(page: str) -> str:
 def files() -> dict[str, Path]:
     """Return {name: path} of all files that a browser may request."""
     found = {path.relative_to(HERE).as_posix(): path for path in STATIC.rglob("*.*")}
-    found |= {f"pages/{path.parent.name}/page.js": path for path in HERE.glob("pages/*/page.js")}
     for feature in interface.classes():
         folder = interface.folder(feature)
         inner = [path for path in folder.rglob("*.*") if path.suffix in SERVED]

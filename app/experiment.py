@@ -17,7 +17,6 @@ from bokeh.models import CustomJS, Div
 
 from app import document, interface, page
 from app.document import on_loop
-from app.pages import Pages
 from app.service import metrics, tasks
 from app.service.jobs import Jobs
 from app.service.jobs import jobs as shared_jobs
@@ -61,7 +60,6 @@ class Experiment(param.Parameterized):
         self.status = {}  # as sent last
         self.features = {name: made(self) for name, made in interface.classes().items()}
         self.pursuit = Pursuit(self)
-        self.pages = Pages(self)
         self.sharing, self.curve, self.attendance = Share(self), MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
         parts = self, self.pursuit, self.sharing, self.curve, self.attendance
@@ -76,7 +74,6 @@ class Experiment(param.Parameterized):
         if not self.closed:
             self.closed = True
             self.pursuit.close()
-            self.pages.close()
             self.attendance.leave()
             self.curve.forget()
             for part in (self.reading, self.sharing, self.sharing.code):
@@ -211,17 +208,6 @@ class Experiment(param.Parameterized):
         self.reading.cancel()
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
         self.pursuit.request(Request(scene))
-
-    @order("page", page=orders.is_text)
-    def open_page(self, page: str) -> None:
-        """Open the page of this name; '' closes the open one. A note names an unknown page."""
-        if not self.pages.open(page):
-            self.notes = [f"There is no page “{page}”: Menu lists all. The experiment is shown."]
-
-    @order("ask", **dict.fromkeys(("what", "of", "x", "y"), orders.is_text))
-    def ask(self, **values: Any) -> None:
-        """Pass the values of a page's own controls to the open page."""
-        self.pages.order(**values)
 
     @property
     def run(self) -> Run | None:

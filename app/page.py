@@ -18,7 +18,7 @@ from panel.io.resources import Resources as PanelResources
 from panel.io.resources import bundle_resources
 from panel.io.state import set_curdoc
 
-from app import assets, interface, lab, pages, schema
+from app import assets, interface, lab, schema
 from app.server_log import reach
 from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
 from solver.presets import presets
@@ -70,18 +70,15 @@ def shared(document: Callable[[Document], None]) -> Shared:
         given = values(root) | {"values": {control.name: MARK.format(control.name) for control in CONTROLS}}
         given |= {"places": {control.name: MARK.format(f"{control.name}-at") for control in CONTROLS}}
         given |= {"preload": MARK.format("stored")}
-        page = template("".join(map(pages.section, pages.listed())))
+        page = template()
         html = html_page_for_render_items(bundle_resources(doc.roots, resources), {}, [item], TITLE, page, given)
     return Shared(re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', html), _stored(root))
 
 
-def template(sections: str, alone: bool = False) -> str:
-    """Return the page as a template of Jinja with the blocks postamble and contents; sections: its pages in HTML.
-
-    alone: without a server.
-    """
+def template(alone: bool = False) -> str:
+    """Return the page as a template of Jinja with the blocks postamble and contents; alone: without a server."""
     page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
-    page = page.replace("<!-- sections -->", sections).replace("<!-- dialogs -->", dialogs)
+    page = page.replace("<!-- dialogs -->", dialogs)
     return interface.filled(page, alone)
 
 
@@ -104,9 +101,7 @@ def values(root: str) -> dict[str, Any]:
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
         "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
-        "modules": pages.listed(),
         "labs": lab.PAGES,
-        "pages": {"": "Experiment"} | {name: page.TITLE for name, page in pages.listed().items()},
         "schema": schema,
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
@@ -129,15 +124,13 @@ def _stored(root):
 
 def declarations(root: str) -> dict[str, Any]:
     """Return the declarations of presets, marks and sliders that the browser needs."""
-    marks = {"punch": schema.NODES, "law": schema.RIDERS, "toughness": schema.EDGES, "load": schema.CHANGES}
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
         "stored": _stored(root),
-        "marks": {chart: {name: vars(node) for name, node in nodes.items()} for chart, nodes in marks.items()},
+        "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
         "reach": reach()._asdict(),
         **interface.declared(root),
         "features": [f"{root}/{name}" for name in assets.scripts()],
-        "scripts": [name for name in pages.listed() if (pages.HERE / name / "page.js").exists()],
     }

@@ -30,7 +30,7 @@ BODY = 65_536  # bytes of a request's body; no page sends one
 BODY_TIME = 10.0  # s for a body
 IDLE = 30.0  # s for the headers of a request, and between two requests of a connection
 TREE = r"/(?:(?P<tree>[0-9a-f]{16})/)?"  # the hash of all files, see app/assets.py
-FILES = [(rf"{TREE}(?P<name>(?:static|features|pages)/.*)", Files)]
+FILES = [(rf"{TREE}(?P<name>(?:static|features)/.*)", Files)]
 PAGE = [("/?", Page), ("/ws", MessageFilter), *FILES]
 # Files of Panel that a page of plain Panel widgets and plots loads.
 BUNDLED = "theme|reactiveesm"

@@ -38,22 +38,6 @@ NODES = {  # of the punch; frames.js assigns the states
     "free": Node("free", "dot free", "circle", 3, "--free", WEAK),
     "contact": Node("in contact, Tₙ = 0", "dot contact", "square", 5, "--shear"),  # of flats only
 }
-RIDERS = {  # nodes on the interface law; pages/law/page.js assigns the states. The maps use other colours
-    "stick": Node("nodes stick (before the peak of Tₜ)", "dot stick", "circle", 6, "--stick"),
-    "slip": Node("past the peak", "slip", "diamond", 9, "--slip"),
-    "open": Node(f"free ({WEAK})", "dot free", "circle", 4, "--free"),
-}
-EDGES = {  # of the contact, on the toughness of the interface
-    "trailing": Node("trailing edge", "dot repulsive", "circle", 9, "--repulsive"),
-    "leading": Node("leading edge", "slip", "diamond", 12, "--slip"),
-}
-CHANGES = {  # what changed before a run, on the page "Friction over load"
-    "delta_bar": Node("press depth", "dot repulsive", "circle", 9, "--repulsive"),
-    "phi_ratio": Node("friction to adhesion", "slip", "diamond", 12, "--slip"),
-    "E": Node("stiffness", "wedge", "inverted_triangle", 10, "--adhering"),
-    "another": Node("another parameter", "dot contact", "square", 8, "--shear"),
-    "several": Node("another experiment", "dot free", "circle", 9, "--free"),
-}
 CURVES = {
     "F": Curve("friction F", "--shear"),
     "L": Curve("load L", "--normal", "dashed"),

@@ -1,6 +1,5 @@
 """Tasks of the pages for workers: pure functions of picklable arguments that return small arrays or numbers."""
 
-import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,17 +17,13 @@ from solver import LIMITS, DataError, Frame, NotConverged, Profile, Scene, advan
 from solver.analysis.comparison import noise_in
 from solver.analysis.curve_files import read_measurement
 from solver.analysis.friction_laws import Onset, onset
-from solver.analysis.maps import computed_point
 from solver.analysis.measurement import Measurement
 from solver.analysis.recording import KINDS
-from solver.analysis.sensitivities import sensitivities
-from solver.analysis.toughness import toughness
 from solver.continuation.state import Outcome
 from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.profile import LONG, SteepError, read_trace
-from solver.run import slices
 
 LONGEST_FILE = 60.0  # s of work on a file
 READING, MEMORY = 10.0, 2**30  # s and bytes for a file of a visitor
@@ -39,35 +34,15 @@ LAID = 500  # points of a measured curve that the browser draws and compares wit
 DRAWN = 400  # points of a drawn curve, about one per pixel
 
 
-def relative_toughness(law: str, ratio: float, delta_t: float, angles: tuple[float, ...]) -> list[float]:
-    """Return the toughness of an interface over phi_n at mode angles, degrees.
-
-    ratio: phi_t over phi_n; delta_t: over delta_n. Raises ValueError where there is no toughness.
-    """
-    scene = Scene(law=law, phi_n=1.0, phi_ratio=ratio, delta_t=delta_t, nodes=64, width=64.0 * delta_t)
-    return toughness(scene, np.radians(angles)).tolist()
-
-
-def first_slip(scene: Scene, state: Any = None) -> dict[str, float] | Part | Exception | None:
-    """Return {"U" (nm), "F", "L" (N/m)} of the first slip of a run, None without one; a Part; or why it failed."""
-    found, _, checkpoint = slices.first_slip(scene, state, SLICE, worker.SLOW)
-    if found:
-        frame, slip = found
-        return {"U": slip.load, "F": slip.F_bar * frame.unit, "L": slip.L_bar * frame.unit}
-    if not checkpoint.done:
-        return Part(checkpoint)
-    return _failure(NotConverged(checkpoint.failure, checkpoint.outcome)) if checkpoint.failure else None
-
-
 def tried(function: Callable[..., Any], *arguments: Any) -> Any:
     """Return function(*arguments); where the arguments have no result, the Exception that says why."""
     try:
         return function(*arguments)
     except (NotConverged, NotFollowed, ValueError) as error:
-        return _failure(error)
+        return failure_of(error)
 
 
-def _failure(error):
+def failure_of(error: Exception) -> Exception:
     """Return why there is no result, without a full stop: a Lost if that may be the fault of a busy machine."""
     why = f"{error}".rstrip(".")
     return Lost("hang", why) if getattr(error, "outcome", None) is Outcome.OUT_OF_TIME else ValueError(why)
@@ -90,41 +65,6 @@ def onset_of(scene: Scene, state: Any = None) -> Onset | Part:
     """Return the Onset of a scene, or a Part. Raises NotConverged."""
     found = onset(scene, state or (None, ()), SLICE, worker.SLOW)
     return found if isinstance(found, Onset) else Part(found)
-
-
-def what_matters(scene: Scene) -> dict[str, Any] | str:
-    """Return the sensitivities of the first slip for the page "What matters"; or a sentence: why there are none.
-
-    bars: {parameter: [U_s, F_s, A_s]}, change in per cent per 1 % of the parameter, or per 0.01 of a parameter that is
-    zero. A value that is zero itself has None. The width of the cell is left out: it scales radius, height and
-    lattice spacing together. nodes: change of F_s by the strength of each node from `first` on, over F_s.
-    """
-    try:
-        made = sensitivities(skeleton_of(scene), branches=False)
-    except (NotConverged, NotFollowed) as error:
-        return f"{error}".rstrip(".")
-    if not made.slips:
-        return "nothing slips up to the end of the run"
-    slip = made.slips[0]
-    values = {name: getattr(scene, name) for name in slip.by}
-    bars = {}
-    for name, by in slip.by.items():
-        if name == "width":
-            continue
-        changes = zip(by * (values[name] or 1.0), slip.values, strict=True)
-        parts = [float(f"{d / v:.4g}") if v else None for d, v in changes]
-        bars[name] = [parts[k] for k in (0, 1, 3)]
-    held = slip.nodes[1] / (slip.values[1] or 1.0)
-    acting = np.flatnonzero(held)
-    first, last = (acting[0], acting[-1] + 1) if acting.size else (0, 0)
-    nodes = [float(f"{share:.3g}") for share in held[first:last]]
-    return {"values": values, "bars": bars, "first": int(first), "nodes": nodes}
-
-
-def map_point(task: Any) -> tuple[Any, bytes | None]:
-    """Return (Point, its pickled Skeleton or None) of a maps.Task that starts from such bytes."""
-    point, skeleton = computed_point(replace(task, start=task.start and pickle.loads(task.start)))
-    return point, pickle.dumps(skeleton) if skeleton else None
 
 
 class Chosen(NamedTuple):

@@ -76,7 +76,7 @@ WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_
 FOR_SERVER: set[str] = {"preset", "profile", "lab", "curve", *PARAMETERS}  # in an address, for the server
 # In an address, for the browser; `pin` and `force` are of older links and have no effect
 FOR_BROWSER: set[str] = {
-    *("v", "k", "page", "theme", "embed", "tour", "view", "more", "pin", "force"),
+    *("v", "k", "theme", "embed", "tour", "view", "more", "pin", "force"),
     *("class", "ask", "change"),
 }
 STAYS = " The run on screen stays."

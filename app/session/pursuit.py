@@ -123,7 +123,6 @@ class Pursuit:
     def request(self, request: Request) -> None:
         """Show the run of a Request, at once or after the job in progress."""
         self.requested, self.held, self.overdue, self.rested = request, request.held, False, False
-        self.session.pages.scene_changed()
         self.session.tell("requested", request.scene)
         self.wake.step()
         if self.requested is request and self.state == "exact":
@@ -217,12 +216,9 @@ class Pursuit:
         return True
 
     def _nearest(self, scene: Scene) -> Skeleton | None:
-        """Return the Skeleton nearest to a scene: of the open page, or of the run; None: nothing can be followed."""
+        """Return the Skeleton nearest to a scene: of a feature, or of the run; None: nothing can be followed."""
         origin = (self.shown or (self.run and self.run.scene)) if self.skeleton else None
-        page = self.session.pages.page
-        nearer = [page.nearer(scene, origin)] if page else []
-        nearer += self.session.tell("nearer", scene, origin)
-        return next(filter(None, nearer), self.skeleton)
+        return next(filter(None, self.session.tell("nearer", scene, origin)), self.skeleton)
 
     # the exact run
 

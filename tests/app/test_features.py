@@ -3,6 +3,7 @@
 import logging
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -97,3 +98,17 @@ def test_a_feature_without_what_it_needs_and_one_that_cannot_be_imported_are_lef
     assert "the feature first is left out: it needs missing" in log
     assert "the feature second is left out: it needs first" in log
     assert "the feature broken is left out" in log and "nothing_of_this_name" in log
+
+
+APP = Path(__file__).parents[3] / "app"
+
+
+LONGEST = 120  # characters of a line, as ruff holds for Python
+
+
+@pytest.mark.parametrize("kind", ["js", "css", "html"])
+def test_lines_of_scripts_styles_and_templates_have_at_most_120_characters(kind):
+    files = list(APP.rglob(f"*.{kind}"))
+    assert files
+    lines = [(path.name, line) for path in files for line in path.read_text(encoding="utf-8").splitlines()]
+    assert not [(name, line) for name, line in lines if len(line) > LONGEST]

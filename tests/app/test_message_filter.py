@@ -19,12 +19,12 @@ from tornado import locks
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from visitor import OWN, say, waited
 
-from app import pages
+import app
 from app.experiment import Experiment
 from app.session import message_filter, orders
 from app.stage import Stage
 
-SCRIPTS = list(Path(pages.__file__).parents[1].rglob("*.js"))
+SCRIPTS = list(Path(app.__file__).parent.rglob("*.js"))
 HELLO = {"do": "hello", "n": 0}
 
 
@@ -363,7 +363,7 @@ def test_every_order_is_acknowledged(session):
 
 def test_an_error_of_an_order_beside_the_run_is_a_note_and_leaves_the_run(session, caplog, monkeypatch):
     say(session, HELLO)
-    monkeypatch.setattr(session.pages, "open", lambda page: 1 / 0)
+    monkeypatch.setattr(session.features["pages"], "open", lambda page: 1 / 0)
     say(session, '{"do":"page","page":"law"}')
     assert "ZeroDivisionError" in caplog.text and session.run.state != "failed"
     assert "its log describes. The run on screen stays." in session.status["notes"][0]

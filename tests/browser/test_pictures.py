@@ -23,8 +23,8 @@ WATCH = """() => {
     })
     const look = () => {
         requestAnimationFrame(look)
-        const { picture, charted, lost, dragging, playing, film, fresh } = punch
-        if (film || lost || !picture || !charted?.scene || !picture.run.scene) return
+        const { picture, charted, lost, dragging, playing, instead, fresh } = punch
+        if (instead || lost || !picture || !charted?.scene || !picture.run.scene) return
         const { run, k } = picture, moving = playing || dragging, time = performance.now()
         const tell = (what) => { if (wrong.length < 20) wrong.push(`${what} [picture ${pictures}, increment ${k}]`) }
         const now = moving ? phaseSentence(run, k) : nowSentence(run, k)
@@ -116,7 +116,7 @@ def show(page, dice):
 @pytest.mark.parametrize("most", [30, 2000])
 def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_marked(visit, most):
     page = visit("?more=1", **PLAYING)
-    imported(page, "sentence", "tour").evaluate(WATCH)
+    imported(page, "features/sentence/sentence", "tour").evaluate(WATCH)
     dice = random.Random(most)
     actions = [drag, drag, write, press, press, choose, tour]
     while page.evaluate("pictures") < most:
@@ -135,7 +135,7 @@ WAITS = """() => {
 
 def test_the_sentence_of_a_picture_comes_to_rest_while_the_run_to_come_has_not_got_there(visit):
     page = visit("?more=1", **PLAYING)
-    imported(page, "sentence")
+    imported(page, "features/sentence/sentence")
     page.locator("#sentence", has_text="Sliding in jerks").wait_for()
     rests = page.evaluate(WAITS)
     page.wait_for_function("!punch.fresh")

@@ -13,7 +13,7 @@ APP = Path(__file__).parents[2] / "app"
 
 
 MODULES = sorted(
-    path.relative_to(APP).as_posix() for room in ("static", "features", "pages") for path in (APP / room).rglob("*.js")
+    path.relative_to(APP).as_posix() for room in ("static", "features") for path in (APP / room).rglob("*.js")
 )
 
 

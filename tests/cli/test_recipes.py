@@ -51,12 +51,13 @@ def test_the_recipe_of_a_surface_makes_a_surface(copy):
 
 
 def test_the_recipe_of_a_page_makes_a_page_of_the_menu(copy):
-    (page,) = recipe("A page")
-    (copy / "app" / "pages" / "blank").mkdir()
-    (copy / "app" / "pages" / "blank" / "page.py").write_text(page, encoding="utf-8")
-    code = "from app.pages import listed, section; page = listed()['blank']; page.Page; print(page.TITLE)"
-    title, macro = ran(copy, f"{code}; print(section('blank'))").split("\n", 1)
-    assert title == "Blank" and 'sheet("blank")' in macro  # of page.html
+    feature, page = recipe("A page")
+    blank = copy / "app" / "features" / "blank"
+    blank.mkdir()
+    (blank / "feature.py").write_text(feature, encoding="utf-8")
+    (blank / "page.py").write_text(page, encoding="utf-8")
+    code = "from app.features.pages.feature import Feature, listed; page = listed()['blank']; page.Page"
+    assert ran(copy, f"{code}; print(page.TITLE, Feature.declared('')['blank'])") == "Blank ['blank']"
 
 
 def test_the_recipe_of_a_law_makes_a_law(copy):

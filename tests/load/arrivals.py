@@ -13,7 +13,7 @@ from contextlib import suppress
 
 from client import Server, Tab, summary, tell
 
-from app import pages
+from app.features.pages import feature as pages
 
 TOGETHER = 4  # visits at a time
 PAGES = "", *pages.listed()

@@ -162,15 +162,14 @@ def test_public_functions_of_the_app_annotate_what_they_take_and_return():
 
 
 NOT_IMPORTED = {
-    "service": {"app.session", "app.pages"},
-    "session": {"app.pages"},
-    "pages": {"app.session"},
+    "service": {"app.session", "app.features"},
+    "session": {"app.features"},
 }
 
 
 @pytest.mark.parametrize("folder", NOT_IMPORTED)
 def test_folders_of_the_app_import_only_downwards(folder):
-    """Pages are given a session and never make one, and an experiment is given its pages (app/experiment.py)."""
+    """A feature is given its session; the core asks the interface for features (app/interface.py)."""
     for path in (APP / folder).rglob("*.py"):
         through = [
             name for name in imported(path) if any(f"{name}.".startswith(f"{other}.") for other in NOT_IMPORTED[folder])
@@ -181,7 +180,7 @@ def test_folders_of_the_app_import_only_downwards(folder):
 def scripts():
     """{script: scripts that it needs at once}; those that it fetches when they are asked for come later."""
     found = {}
-    for path in [*(APP / "static").rglob("*.js"), *(APP / "pages").rglob("*.js")]:
+    for path in [*(APP / "static").rglob("*.js"), *(APP / "features").rglob("*.js")]:
         names = re.findall(r'(?:from|^import) "(\.[^"]+)"', path.read_text(encoding="utf-8"), re.M)
         found[path] = {(path.parent / name).resolve() for name in names}
     return found

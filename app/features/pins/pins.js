@@ -112,11 +112,10 @@ function drawPinnedSurfaces() {
 let connected = false
 function connect() {
   connected = true
-  const list = () => ({ kind: "lines", list: [] })
-  addPart("punch", "pins", list(), "story")
-  addPart("forces", "pins", list(), "ghost_F")
-  addPart("area", "pins", list(), "ghost_A")
-  if (charts.map) addPart("map", "pins", list(), "slips")
+  addPart("punch", "pins", lines([]), "story")
+  addPart("forces", "pins", lines([]), "ghost_F")
+  addPart("area", "pins", lines([]), "ghost_A")
+  if (charts.map) addPart("map", "pins", lines([]), "slips")
   view(["pins", "look"], tell)
   view(["pins"], () => { me.beside = me.pins.filter(({ shown }) => shown).map(({ run }) => run) })
   frame(["pins", "charted", "approach", "look"], drawPins)

@@ -1,7 +1,7 @@
 // The address of the page: it brings scene, increment and page back, and each settled change is an entry of the
 // browser's history, so that Back goes to the change before. While a page is open Back closes it.
 
-import { lastSearch, readdress } from "./dom.js"
+import { entries as adding, lastSearch, readdress } from "./dom.js"
 import { goto } from "./player.js"
 import { restore } from "./steer.js"
 import { beginChange, declared, ended, me, sees, view } from "./store.js"
@@ -71,7 +71,7 @@ export const sceneChanges = () => difference(sceneOf(location.search), me.status
 export const writeAddress = () => entries.writeScene(me.status.address)
 
 // Another entry of the history, for what is no change of the scene; more: of its state
-export const addEntry = (change, more) => entries.write(change, { own: true, more })
+adding.add = (change, more) => entries.write(change, { own: true, more })
 
 // Show the scene of parameters {name: text} as an address has them, and an increment of it
 export function goBackTo(scene, k = null) {

@@ -60,8 +60,5 @@ export function heard(n) {
   if (me.waiting.some((sent) => sent.n <= n)) me.waiting = me.waiting.filter((sent) => !(sent.n <= n))
 }
 
-// Ask the page that is open for something
-export const ask = (values) => order("ask", values)
-
 // Why a file is not sent: it is larger than the server takes; "" where it is sent
 export const tooLarge = ({ size }) => (size > LARGEST ? `${(size / 1e6).toFixed(1)} MB, allowed: 2 MB` : "")

@@ -39,7 +39,7 @@ export function makeCharts(nodes) {
       substrate: { kind: "below", ink: "--text", alpha: 0.12 },
       body: { kind: "body", ink: "--body", alpha: 0.25, ...none }, surface: line("--body"),
       sites: line("--text", { width: 2.5 }), ...marksOf(nodes),
-      story: drawing(), page: drawing(),
+      story: drawing(),
     } })
   addChart("forces", { x: { ...path }, y: { start: -1, end: 2 },
     across: "", up: "F, L (N/m)", parts: {

@@ -41,8 +41,6 @@ async function answers() {
 async function lost() {
   if (me.lost) return
   me.lost = true
-  // the server makes pages
-  for (const button of document.querySelectorAll("nav button, [data-ask]")) button.disabled = true
   let attempts = 0
   do await pause(PAUSES[attempts++] ?? PAUSES.at(-1))
   while (!(await answers()))

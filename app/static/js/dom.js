@@ -39,6 +39,9 @@ export function readdress(change, state = history.state, push = false) {
   written = address.search
 }
 
+// Another entry of the browser's history, with a change of the address; state: of the entry
+export const entries = { add: (change, state) => readdress(change, state, true) }
+
 // An element with properties, attributes where they have a hyphen, and `data` of its own; and what it holds
 export function make(tag, { data = {}, ...given } = {}, ...parts) {
   const made = document.createElement(tag)

@@ -4,7 +4,6 @@ import { namesScene } from "./address.js"
 import { tooLarge } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
-import { closePage, openPage } from "./pages.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { connectDrawer } from "./sliders.js"
 import { enter, letGo, restore, steer } from "./steer.js"
@@ -120,6 +119,12 @@ function choosePreset(preset) {
 // The hint over the contact goes once anything was moved
 const hideHint = () => { by("grab").hidden = true }
 
+// A research page opens with the scene on screen
+function bringScene({ currentTarget: link }) {
+  const { theme } = document.documentElement.dataset
+  link.search = new URLSearchParams({ lab: link.dataset.lab, theme, ...me.status.address })
+}
+
 export function connect() {
   by("grab").hidden = namesScene()
   document.addEventListener("input", hideHint, { once: true })
@@ -144,9 +149,7 @@ export function connect() {
     by("panel").hidePopover()
     by("menu").focus()
   }, true)
-  for (const button of document.querySelectorAll("nav button")) {
-    button.addEventListener("click", () => (button.dataset.page ? openPage(button.dataset.page) : closePage()))
-  }
+  for (const link of document.querySelectorAll("nav a")) link.addEventListener("click", bringScene)
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", ({ detail, target }) => {
     if (detail > 0) target.closest?.("button:not([popovertarget=solver])")?.blur()

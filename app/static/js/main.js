@@ -12,13 +12,11 @@ import * as inputs from "./inputs.js"
 import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
 import { unpackLater } from "./packed.js"
-import * as pages from "./pages.js"
 import * as player from "./player.js"
 import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
-import { connectSlips } from "./slips.js"
 import * as status from "./status.js"
-import { alone, declared, embedded, me, view } from "./store.js"
+import { alone, declared, me, view } from "./store.js"
 
 // What the server declares: looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
 // {slider: values} and reach (of server_log.py)
@@ -27,7 +25,7 @@ export function start() {
   if (started) return // the document starts it as early as it can, and again once all is here
   started = true
   Object.assign(declared, JSON.parse(by("declarations").textContent))
-  makeCharts(declared.marks.punch)
+  makeCharts(declared.nodes)
   connectCurves()
   for (const name in charts) connectChart(name)
   address.connect()
@@ -40,19 +38,15 @@ export function start() {
   status.connect()
   player.connect()
   draw.connect()
-  pages.connect()
-  connectSlips()
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)
-  channel.take("opened", pages.receive, pages.read)
   player.connectStored()
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   connection.restore()
   me.speed = Number(by("speed").value)
   document.addEventListener("stage", ({ detail }) => connect(detail))
   if (alone) opened()
-  else if (!embedded) pages.showAddressed()
   let kept = false // Share opens without the server, too, so that it comes while that is there
   view(["status"], () => {
     if (kept || me.status.state !== "finished") return

@@ -41,13 +41,13 @@ function drawPunch(run, frame) {
   const { drawn: x, gap } = frame, { punch } = charts
   for (const label of ["body", "surface"]) punch.fill(label, { x, y: gap })
   const groups = Object.groupBy(x.keys(), frame.state)
-  for (const label in declared.marks.punch) {
+  for (const label in declared.nodes) {
     const pick = (list) => Float32Array.from(groups[label] ?? [], (i) => list[i])
     punch.fill(label, { x: pick(x), y: pick(gap) })
   }
   punch.says = run.head.flat ? () => null : (_, at) => saidOf(frame, at)
   if (!run.head.flat) return
-  const { mark, label } = declared.marks.punch[frame.state(0)] // in the key of a flat surface, whose nodes are alike
+  const { mark, label } = declared.nodes[frame.state(0)] // in the key of a flat surface, whose nodes are alike
   by("flat-mark").className = mark
   by("flat-state").textContent = label
 }
@@ -57,7 +57,7 @@ const NEAR = 8 // px
 function saidOf({ x, drawn, gap, T_n, T_t, state }, at) {
   const { X, Y } = charts.punch.box, far = (i) => Math.hypot(X(drawn[i]) - at.x, Y(gap[i]) - at.y)
   const i = drawn.reduce((best, _, k) => (far(k) < far(best) ? k : best), 0)
-  return far(i) > NEAR ? null : [declared.marks.punch[state(i)].label, `x = ${fixed(x[i], 1)} nm`,
+  return far(i) > NEAR ? null : [declared.nodes[state(i)].label, `x = ${fixed(x[i], 1)} nm`,
     `gap = ${fixed(gap[i], 3)} nm`, `Tₙ = ${fixed(T_n[i], 3)} GPa`, `Tₜ = ${fixed(T_t[i], 3)} GPa`]
 }
 

@@ -2,7 +2,6 @@
 
 import { CURVES } from "./charts.js"
 import { by, keep, kept, on, readdress } from "./dom.js"
-import { openPage } from "./pages.js"
 import { redraw, sees } from "./store.js"
 
 const { dataset } = document.documentElement
@@ -11,7 +10,6 @@ const { dataset } = document.documentElement
 export function project() {
   if (projected()) delete dataset.view
   else dataset.view = "projector"
-  if (projected() && document.querySelector(".page").dataset.page) openPage("")
   settle()
 }
 
