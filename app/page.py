@@ -86,7 +86,7 @@ def values(root: str) -> dict[str, Any]:
     return {
         "root": root,
         "main": f"{root}/static/js/main.js",
-        "declarations": declarations(root),
+        "declarations": declarations(root) | {"reach": reach()._asdict()},  # not in a file that is given away
         "styles": assets.styles(),
         "scripts": sorted(map(assets.named, assets.needed(assets.STATIC / "js" / "main.js"))),
         "controls": CONTROLS,
@@ -132,6 +132,5 @@ def declarations(root: str) -> dict[str, Any]:
         "marks": {chart: {name: vars(node) for name, node in nodes.items()} for chart, nodes in marks.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
-        "reach": reach()._asdict(),
         "scripts": [name for name in pages.listed() if (pages.HERE / name / "page.js").exists()],
     }

@@ -479,7 +479,7 @@ def test_the_page_shares_the_port_that_is_bound(monkeypatch):
     monkeypatch.setattr(server_log, "_bound", {})
     monkeypatch.setattr(sys, "orig_argv", ["panel", "serve", "app", "--port", "0", "--allow-websocket-origin=*"])
     server_log.bound("http://127.0.0.1:4321/")
-    assert page.declarations("")["reach"]["origins"] == ["http://192.0.2.7:4321"]
+    assert page.values("")["declarations"]["reach"]["origins"] == ["http://192.0.2.7:4321"]
 
 
 @pytest.mark.parametrize("host", ["localhost:5006", "127.0.0.1", "contact.example:443"])
