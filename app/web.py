@@ -128,7 +128,8 @@ class Page(Plain, DocHandler):
         if self.request.path.endswith("/"):
             page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have removed a prefix
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
-        if is_full(self.request.remote_ip):
+        # a request without a browser may keep others from research pages, whose sessions cost, but not from the class
+        if is_full(self.request.remote_ip, len(opened) if "lab" in self.request.arguments else 0):
             self.set_header("Retry-After", str(AGAIN))
             text = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
             return self.refuse(503, "The class is full", text, AGAIN)

@@ -28,13 +28,13 @@ SILENT = 30.0  # s without a valid message after which a new connection ends; a 
 CHANGES = {"ModelChanged", "MessageSent"}  # of the Stage, of widgets of research pages, and clicks
 
 connected = set()  # ids of the sessions whose browsers are connected
-opened = set()  # ids of the sessions whose pages were sent, and whose browsers may still connect
+opened = set()  # ids of the sessions of research pages that were sent, and whose browsers may still connect
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
-def is_full(peer: str) -> bool:
-    """Whether the maximum number of browsers is there; if so, count a rejection of this address."""
-    if len(connected) + len(opened) < VISITORS:
+def is_full(peer: str, coming: int = 0) -> bool:
+    """Whether the maximum number of browsers is there, or coming; if so, count a rejection of this address."""
+    if len(connected) + coming < VISITORS:
         return False
     metrics.count("rejected_visits")
     log.info("class full: a visitor was rejected", extra={"peer": peer})
