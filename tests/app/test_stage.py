@@ -63,3 +63,8 @@ def test_a_saved_file_and_a_notebook_name_no_machine_address_or_folder(short, tm
     folders = Path(server_log.__file__).parents[1], sys.prefix, Path.home(), Path.cwd(), tmp_path
     own = [*map(str, folders), *server_log.addresses(), *filter(None, [allowed])]
     assert len(texts) > 20 and [name for name in own if any(name in each for each in texts)] == []
+
+
+def test_a_title_that_no_file_can_hold_is_refused_with_its_value(short):
+    with pytest.raises(ValueError, match=r"title = 'a\\ud800'.*allowed"):
+        Stage(short, title="a\ud800")
