@@ -28,7 +28,7 @@ from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
 from app.session.controls import FOR_BROWSER, FOR_SERVER
-from app.session.message_filter import TOKEN, is_full, opened
+from app.session.message_filter import TOKEN, is_full, no_longer_opened, opened
 
 log = logging.getLogger("app")
 STRANGE = 3  # unknown names of an address that the page reports, at most
@@ -154,11 +154,10 @@ class Page(Plain, DocHandler):
     async def lab_page(self, token: str, nonce: str) -> str:
         """Return a page of app/lab: its session starts now, and Panel renders its document."""
         name = get_session_id(token)
-        opened.add(name)  # it costs as much as a visitor, whether its browser connects or not
-        IOLoop.current().call_later(CONNECTS, opened.discard, name)
-        session = await self.application_context.create_session_if_needed(name, self.request, token)
+        opened[name] = None  # it costs as much as a visitor, whether its browser connects or not
+        IOLoop.current().call_later(CONNECTS, no_longer_opened, name)
+        opened[name] = session = await self.application_context.create_session_if_needed(name, self.request, token)
         session.block_expiration()  # a slow browser would find another session than that of its page
-        IOLoop.current().call_later(CONNECTS, session.unblock_expiration)
         doc, resources = session.document, Resources.from_bokeh(self.application.resources())
         resources.components = ["bokeh", "bokeh-widgets", "bokeh-tables"]  # needed by those of Panel
         own = {"template": doc.template, "template_variables": doc.template_variables}

@@ -37,7 +37,10 @@ class Visit:
         self.filter.parts, self.filter.name, self.filter.rejected, self.filter.written = 0, None, False, []
         self.filter.request = SimpleNamespace(remote_ip="192.0.2.9")
         self.filter.receiver = Receiver(Protocol())
-        self.filter.connection = SimpleNamespace(session=SimpleNamespace(document=session.doc, patch=self._patch))
+        self.filter.connection = SimpleNamespace(
+            session=SimpleNamespace(document=session.doc, patch=self._patch, request_expiration=lambda: None)
+        )
+        self.filter.application_context = SimpleNamespace(_cleanup_sessions=lambda age: None)
         root = session.stage.get_root(session.doc)
         session.doc.add_root(root)
         self.root, self.wire = root.id, root.data.id

@@ -38,6 +38,8 @@ from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
 
+LONG = {"unused_session_lifetime_milliseconds": 3_600_000}  # no test waits so long for the end of a session
+
 
 def opened(doc):
     """A document with the page of a visitor."""
@@ -52,7 +54,7 @@ def address():
     before = urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado
     routes.install()
     pages = {"/app": Application(FunctionHandler(opened))}
-    application = server.BokehTornado(pages, extra_patterns=get_static_routes({}))  # as `panel serve` does
+    application = server.BokehTornado(pages, extra_patterns=get_static_routes({}), **LONG)  # as `panel serve` does
     urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado = before
     socket, port = bind_unused_port()
     ready, loops = threading.Event(), []
@@ -274,6 +276,22 @@ def test_a_silent_connection_does_not_keep_visitors_out(address, caplog):
     assert get(f"{address}/app")[0] == 200
     (record,) = logged(caplog, "rejected")
     assert "TimeoutError" in record.message and record.peer == "127.0.0.1"
+
+
+@pytest.mark.parametrize("query", ["", "?lab=fit"])
+def test_what_a_visitor_has_begun_ends_with_the_connection(address, caplog, query):
+    """Workers computed on for him until Bokeh discarded his session."""
+    caplog.set_level(logging.INFO, "app")
+    token = tokens(get(f"{address}/app{query}")[2])
+
+    async def visit():
+        headers = {"Host": "localhost", "Sec-WebSocket-Protocol": f"bokeh, {token}"}
+        made = await websocket_connect(HTTPRequest(f"{address.replace('http', 'ws')}/app/ws", headers=headers))
+        await made.read_message()  # the server has a session by then
+        made.close()
+
+    waited(visit())
+    assert logged(caplog, "visitor arrived") and logged(caplog, "visitor left")
 
 
 @pytest.mark.usefixtures("one_place")
