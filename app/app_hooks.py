@@ -21,6 +21,7 @@ from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
 from app.service.stored import row
+from app.session import classes
 from solver import Scene
 from solver.mechanics import cohesive_law
 
@@ -37,6 +38,7 @@ def on_server_loaded(server_context: Any) -> None:
     shared(example)
     pool.start()
     if os.getpid() != PARENT:
+        classes.several = True
         PeriodicCallback(_end_with_parent, LOOK).start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()
