@@ -66,6 +66,31 @@ def test_what_is_ordered_before_the_stage_is_there_follows_the_order_that_starts
     assert given == [["hello", 0], ["layer", 1], ["skip", 2]]
 
 
+def test_the_server_is_silent_from_any_order_until_it_answers_that_one(tab, session):
+    """Whether it is still there is asked after 4 s: see connection.js."""
+    silent = tab.evaluate(
+        """async (names) => {
+            const { connect, heard, order, silence } = await import("http://scripts/js/channel.js")
+            let last = 0
+            connect(new Proxy({ on() {} }, { set: (_, what, { n }) => { last = n; return true } }))
+            order("skip")
+            heard(last) // and whatever this tab has ordered before
+            const tick = () => { const begun = performance.now(); while (performance.now() === begun); }
+            return Object.fromEntries(names.map((name) => {
+                order(name)
+                tick()
+                const waits = silence() > 0
+                heard(last - 1)
+                const still = silence() > 0
+                heard(last)
+                return [name, [waits, still, silence() > 0]]
+            }))
+        }""",
+        sorted(session.orders.keys() - {"hello"}),
+    )
+    assert len(silent) > 15 and {*map(tuple, silent.values())} == {(True, True, False)}
+
+
 def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     passed_on = tab.evaluate(
         """async () => {

@@ -8,6 +8,7 @@ const LARGEST = 2e6 // bytes of a file, as the server
 let stage = null // the Stage, once it is there
 const early = [] // orders given before
 let orders = 0
+let asked = [] // {n, at} of orders without an answer, the oldest first
 
 // The Stage is there, or rendered again. The first order starts the run: what was given before is about one
 export function connect(model) {
@@ -16,7 +17,12 @@ export function connect(model) {
   for (const kind in takers) listen(kind)
   if (!first) return
   order("hello")
-  for (const [what, fields] of early.splice(0)) stage[what] = fields
+  for (const given of early.splice(0)) send(...given)
+}
+
+function send(what, fields) {
+  asked.push({ n: fields.n, at: performance.now() })
+  stage[what] = fields
 }
 
 // Messages go to what takes their kind, in the order in which they came
@@ -39,14 +45,14 @@ export function take(kind, call, unpack) {
   takers[kind] = [call, unpack]
   if (stage) listen(kind)
 }
-export const silence = () => (me.waiting.length ? performance.now() - me.waiting[0].at : 0) // ms
+export const silence = () => (asked.length ? performance.now() - asked[0].at : 0) // ms
 
 // Give an order with its fields
 export function order(what, fields = {}) {
   const n = what === "hello" ? 0 : ++orders
-  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values, at: performance.now() }]
+  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values }]
   if (me.lost) return
-  if (stage) stage[what] = { n, ...fields }
+  if (stage) send(what, { n, ...fields })
   else early.push([what, { n, ...fields }])
 }
 
@@ -57,6 +63,7 @@ export const outdated = ({ acknowledged }) => acknowledged < answered
 // The server has heard the orders up to a number
 export function heard(n) {
   answered = Math.max(answered, n ?? -1)
+  asked = asked.filter((sent) => sent.n > answered)
   if (me.waiting.some((sent) => sent.n <= n)) me.waiting = me.waiting.filter((sent) => !(sent.n <= n))
 }
 
