@@ -1,5 +1,6 @@
 // Orders to the server, and messages from it: the parameters of the Stage (app/stage.py).
 
+import { warn } from "./opening.js"
 import { me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
@@ -28,11 +29,23 @@ function send(what, fields) {
 // Messages go to what takes their kind, in the order in which they came
 function listen(kind) {
   stage.on(kind, () => {
-    const message = stage[kind], [call, unpack] = takers[kind]
-    const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
+    const message = stage[kind], [call, unpack] = takers[kind], of = message.run ?? message.frame
+    const pass = ([{ value, reason }]) => {
+      if (reason) return incomplete(kind, of, reason)
+      return of !== undefined && broken[kind] === of ? null : call(value)
+    }
     const unpacked = unpack ? Promise.race([unpack(message), late(kind)]) : message
     before = Promise.allSettled([unpacked, before]).then(pass).catch(reportError)
   })
+}
+
+const broken = {} // {kind: run, or frame of a film, of which a part did not arrive: the others are no whole}
+function incomplete(kind, of, reason) {
+  if (of !== undefined) {
+    broken[kind] = of
+    warn("Incomplete:", "a part of this run did not arrive. Load the page again: ", () => location.reload())
+  }
+  throw reason
 }
 
 // Fails after a time: what is not unpacked by then holds back all later messages
