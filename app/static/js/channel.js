@@ -1,7 +1,7 @@
 // Orders to the server, and messages from it: the parameters of the Stage (app/stage.py).
 
 import { warn } from "./opening.js"
-import { me } from "./store.js"
+import { alone, me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LATE = 20_000 // ms
@@ -60,8 +60,9 @@ export function take(kind, call, unpack) {
 }
 export const silence = () => (asked.length ? performance.now() - asked[0].at : 0) // ms
 
-// Give an order with its fields
+// Give an order with its fields; without a server there is nobody to obey
 export function order(what, fields = {}) {
+  if (alone) return
   const n = what === "hello" ? 0 : ++orders
   if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values }]
   if (me.lost) return

@@ -30,7 +30,7 @@ function connectHand() {
   onDrag(view, (event) => { // where the drag begins, and what it changes, once that is clear
     if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return null
     const along = me.run.along[Math.max(0, me.drawn)]
-    const pushes = event.pointerType !== "touch" || event.target.id === "grab"
+    const pushes = !alone && (event.pointerType !== "touch" || event.target.id === "grab")
     return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value], pushes }
   }, (event, from) => {
     const dx = event.clientX - from.x, dy = event.clientY - from.y
