@@ -168,7 +168,7 @@ class Page(Plain, DocHandler):
     def known_arguments(self) -> dict[str, list[bytes]]:
         """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
-        read = FOR_SERVER | ({"theme"} if "lab" in given else set())
+        read = FOR_SERVER | ({*FOR_BROWSER} if "lab" in given else set())  # for the link back
         others = [name for name in given if name not in FOR_SERVER | {*FOR_BROWSER}][:STRANGE]
         return {name: given[name] for name in given if name in read} | {name[:40]: [] for name in others}
 

@@ -4,7 +4,7 @@
 // frame, and over(pen, box, run, k) over the punch.
 
 import { ask, order } from "./channel.js"
-import { addEntry } from "./address.js"
+import { addEntry, viewed } from "./address.js"
 import { charts, CURVES } from "./charts.js"
 import { by, fetched, readdress } from "./dom.js"
 import { goto } from "./player.js"
@@ -29,10 +29,10 @@ export function connect() {
   charts.punch.fill("page", { draw: (...punch) => framePage("over", ...punch) })
 }
 
-// A research page opens with the scene on screen
+// A research page opens with the scene on screen; back from there this page is as it was, in its class
 function bringScene({ currentTarget: link }) {
   const { theme } = document.documentElement.dataset
-  link.search = new URLSearchParams({ lab: link.dataset.lab, theme, ...me.status.address })
+  link.search = new URLSearchParams({ ...viewed(), lab: link.dataset.lab, theme, ...me.status.address })
 }
 
 const shown = () => document.querySelector(".page").dataset.page
