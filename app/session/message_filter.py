@@ -25,6 +25,7 @@ log = logging.getLogger("app")
 PARTS = 5  # of a message: header, metadata, content; for a file also its header and bytes
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
+ALIVE = 30.0  # s between two pings, and for the answer: a browser that sleeps keeps its place for twice that
 SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
 CHANGES = {"ModelChanged", "MessageSent"}  # of the Stage, of widgets of research pages, and clicks
 
@@ -59,6 +60,11 @@ class MessageFilter(WSHandler):
 
     def set_default_headers(self) -> None:
         self.clear_header("Server")
+
+    @property
+    def ping_interval(self) -> float:
+        """Tornado ends a connection whose browser does not answer; Bokeh's own pings wait for no answer."""
+        return ALIVE
 
     def open(self, *where: Any, **named: Any) -> Any:
         """Accept a browser with the token of its page, unless the server is full."""

@@ -13,7 +13,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -294,8 +294,9 @@ def test_what_a_visitor_has_begun_ends_with_the_connection(address, caplog, quer
     assert logged(caplog, "visitor arrived") and logged(caplog, "visitor left")
 
 
-@pytest.mark.usefixtures("one_place")
-def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, caplog):
+@contextmanager
+def deaf(address):
+    """A connection of a browser that answers nothing from then on."""
     token, (host, port) = tokens(get(f"{address}/app")[2]), address.removeprefix("http://").split(":")
     lines = [
         "GET /app/ws HTTP/1.1",
@@ -308,6 +309,39 @@ def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(addres
     ]
     with socket.create_connection((host, int(port)), timeout=60) as connection:
         connection.sendall("\r\n".join([*lines, "", ""]).encode())
+        yield connection
+
+
+def test_a_browser_that_sleeps_gives_up_its_place_and_one_that_answers_keeps_its_own(address, monkeypatch):
+    """Its computer acknowledges what arrives, so that the connection stays open for hours."""
+    monkeypatch.setattr(message_filter, "ALIVE", 0.5)
+    monkeypatch.setattr(message_filter, "VISITORS", 2)
+    monkeypatch.setattr(message_filter, "connected", set())
+    token = tokens(get(f"{address}/app")[2])
+
+    async def seen(sleeps):
+        while b"bokeh" not in sleeps.recv(65536):  # it is connected
+            pass
+        headers = {"Host": "localhost", "Sec-WebSocket-Protocol": f"bokeh, {token}"}
+        awake = await websocket_connect(HTTPRequest(f"{address.replace('http', 'ws')}/app/ws", headers=headers))
+        for _part in range(3):  # of an acknowledgement: a browser reads all, or it could not answer
+            await awake.read_message()
+        found = [503]
+        async with asyncio.timeout(60.0):
+            while found[-1] == 503:
+                found.append((await asyncio.to_thread(get, f"{address}/app"))[0])
+        kept = len(message_filter.connected)
+        awake.close()
+        return found, kept
+
+    with deaf(address) as sleeps:
+        found, kept = waited(seen(sleeps))
+    assert (found[1], found[-1], kept) == (503, 200, 1)
+
+
+@pytest.mark.usefixtures("one_place")
+def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, caplog):
+    with deaf(address) as connection:
         while b"\x88" not in connection.recv(65536):  # the frame that closes the connection
             pass
         assert get(f"{address}/app")[0] == 200
