@@ -6,12 +6,19 @@ import os
 import signal
 from concurrent.futures import CancelledError
 from contextlib import suppress
+from pathlib import Path
 from threading import Thread
 from typing import Any
 
 import numpy as np
 from bokeh.settings import settings
 from tornado.ioloop import IOLoop, PeriodicCallback
+
+import app
+
+if not (HERE := Path(__file__).parent).samefile(app.__path__[0]):  # before anything of another version is imported
+    other = f"The folder {HERE} is served, but another version is installed: {app.__path__[0]}."
+    raise SystemExit(f"{other} Install this one: pip install -e {HERE.parent}")
 
 from app import lab, routes, server_log
 from app.experiment import example, visitors

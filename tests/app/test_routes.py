@@ -102,6 +102,20 @@ def test_a_server_of_the_file_alone_ends_with_a_sentence_at_the_first_visit():
         assert "Serve the folder: panel serve app" in "".join(lines)
 
 
+@pytest.mark.slow
+def test_a_folder_beside_another_installed_version_is_not_served(tmp_path, monkeypatch):
+    """Its pages would be those of the other version."""
+    other = tmp_path / "app"
+    other.mkdir()
+    (other / "__init__.py").write_text("")  # whatever else it holds, it is another one
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with started("app") as (server, lines):
+        said = "".join(lines)
+        assert server.wait(120) != 0
+    assert f"another version is installed: {other}. Install this one: pip install -e {ROOT}" in said
+    assert "Traceback" not in said
+
+
 NO_CLASS = (
     "Class ABCD cannot open: this server has several processes, and each would have its own class ABCD."
     " Start it without --num-procs."
