@@ -14,6 +14,7 @@ from jinja2 import Environment
 from app import assets, page
 from app.service import packing, worker
 from app.session.controls import NAMES
+from app.session.orders import HALF
 from solver.scene import LIMITS
 
 BASE = """<!DOCTYPE html>
@@ -30,10 +31,12 @@ FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 
 
 
 def page_of(result: Any, title: str = page.TITLE) -> str:
-    """Return the file of a Result as text, with its failure and cautions; raises ValueError for one without frames."""
+    """Return the file of a Result as text; raises ValueError without frames, or for a title that no file can hold."""
     scene, frames = result.scene, list(result.frames)
     if not frames:
         raise ValueError("result has no frames; allowed: at least one; compute a longer run")
+    if HALF.search(title):
+        raise ValueError(f"title = {title!r} has half of a character; allowed: text that UTF-8 can write; correct it")
     (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
     features = assets.scripts(alone=True)
     alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(result.notes)}, "features": features}

@@ -6,11 +6,18 @@ import os
 import signal
 from concurrent.futures import CancelledError
 from contextlib import suppress
+from pathlib import Path
 from threading import Thread
 from typing import Any
 
 from bokeh.settings import settings
 from tornado.ioloop import IOLoop, PeriodicCallback
+
+import app
+
+if not (HERE := Path(__file__).parent).samefile(app.__path__[0]):  # before anything of another version is imported
+    other = f"The folder {HERE} is served, but another version is installed: {app.__path__[0]}."
+    raise SystemExit(f"{other} Install this one: pip install -e {HERE.parent}")
 
 from app import interface, lab, routes, server_log
 from app.experiment import example, visitors
@@ -20,6 +27,7 @@ from app.service.caller import Lost
 from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
 from app.service.stored import row
+from app.session import classes
 
 LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
@@ -34,6 +42,7 @@ def on_server_loaded(server_context: Any) -> None:
     shared(example)
     pool.start()
     if os.getpid() != PARENT:
+        classes.several = True
         PeriodicCallback(_end_with_parent, LOOK).start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()

@@ -87,7 +87,7 @@ def values(root: str) -> dict[str, Any]:
     return {
         "root": root,
         "main": f"{root}/{assets.MAIN}",
-        "declarations": declarations(root),
+        "declarations": declarations(root) | {"reach": reach()._asdict()},  # not in a file that is given away
         "styles": assets.styles(),
         "scripts": sorted(assets.needed(assets.MAIN, *assets.scripts())),
         "controls": CONTROLS,
@@ -130,7 +130,6 @@ def declarations(root: str) -> dict[str, Any]:
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
-        "reach": reach()._asdict(),
         **interface.declared(root),
         "features": [f"{root}/{name}" for name in assets.scripts()],
     }

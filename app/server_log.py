@@ -110,7 +110,9 @@ def reach(arguments: Any = None) -> Reach:
 
 
 def _command(host, port, prefix):
-    command = ["panel", "serve", _folder(), "--address", "0.0.0.0", "--port", port, "--allow-websocket-origin", host]
+    """Return the command that serves the page under a host name: that of the folder of a clone, or for any folder."""
+    serve = ["panel", "serve", HERE.name] if HERE.parent == Path.cwd() else ["mixed-mode-contact", "serve"]
+    command = [*serve, "--address", "0.0.0.0", "--port", port, "--allow-websocket-origin", host]
     return shlex.join([*command, *(["--prefix", prefix] if prefix else [])])
 
 
@@ -121,11 +123,6 @@ def log_addresses(arguments: Any = None) -> None:
         log.info("visitors open %s%s", origin, page)
     for origin, command in commands:
         log.info("for a class at %s%s start it by: %s", origin, page, command)
-
-
-def _folder():
-    """Return the folder of the app as a command needs it: installed from a wheel, it is not in the current folder."""
-    return HERE.name if HERE.parent == Path.cwd() else str(HERE)
 
 
 def _option(given, name):

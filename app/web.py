@@ -29,7 +29,7 @@ from app.page import shared
 from app.service import metrics
 from app.service.pool import pool
 from app.session.controls import FOR_BROWSER, FOR_SERVER
-from app.session.message_filter import TOKEN, is_full, opened
+from app.session.message_filter import TOKEN, is_full, no_longer_opened, opened
 
 log = logging.getLogger("app")
 STRANGE = 3  # unknown names of an address that the page reports, at most
@@ -129,7 +129,8 @@ class Page(Plain, DocHandler):
         if self.request.path.endswith("/"):
             page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have removed a prefix
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
-        if is_full(self.request.remote_ip):
+        # a request without a browser may keep others from research pages, whose sessions cost, but not from the class
+        if is_full(self.request.remote_ip, len(opened) if "lab" in self.request.arguments else 0):
             self.set_header("Retry-After", str(AGAIN))
             text = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
             return self.refuse(503, "The class is full", text, AGAIN)
@@ -154,11 +155,10 @@ class Page(Plain, DocHandler):
     async def lab_page(self, token: str, nonce: str) -> str:
         """Return a page of app/lab: its session starts now, and Panel renders its document."""
         name = get_session_id(token)
-        opened.add(name)  # it costs as much as a visitor, whether its browser connects or not
-        IOLoop.current().call_later(CONNECTS, opened.discard, name)
-        session = await self.application_context.create_session_if_needed(name, self.request, token)
+        opened[name] = None  # it costs as much as a visitor, whether its browser connects or not
+        IOLoop.current().call_later(CONNECTS, no_longer_opened, name)
+        opened[name] = session = await self.application_context.create_session_if_needed(name, self.request, token)
         session.block_expiration()  # a slow browser would find another session than that of its page
-        IOLoop.current().call_later(CONNECTS, session.unblock_expiration)
         doc, resources = session.document, Resources.from_bokeh(self.application.resources())
         resources.components = ["bokeh", "bokeh-widgets", "bokeh-tables"]  # needed by those of Panel
         own = {"template": doc.template, "template_variables": doc.template_variables}
@@ -169,7 +169,7 @@ class Page(Plain, DocHandler):
     def known_arguments(self) -> dict[str, list[bytes]]:
         """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
         given = self.request.arguments
-        read = FOR_SERVER | ({"theme"} if "lab" in given else set())
+        read = FOR_SERVER | (FOR_BROWSER if "lab" in given else set())  # for the link back
         others = [name for name in given if name not in FOR_SERVER | FOR_BROWSER][:STRANGE]
         return {name: given[name] for name in given if name in read} | {name[:40]: [] for name in others}
 

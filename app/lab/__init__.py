@@ -17,7 +17,7 @@ from bokeh.models import CustomJS
 from panel.io.resources import LOCAL_DIST
 
 from app.limits import DEFAULT
-from app.session.controls import CONTROLS, Control, address_of, scene_from_address
+from app.session.controls import CONTROLS, FOR_BROWSER, Control, address_of, scene_from_address
 from app.session.orders import LARGEST
 from solver import Scene
 
@@ -84,9 +84,9 @@ MEND = f"""
 
 
 def back(scene: Scene) -> str:
-    """Return the link to the experiment with a scene, in the same theme."""
-    theme = pn.state.session_args.get("theme", [b""])[-1].decode("ascii", "replace")
-    values = address_of(scene, DEFAULT) | ({"theme": theme} if theme in ("dark", "light") else {})
+    """Return the link to the experiment with a scene, as it was when it was left: its class, theme and view."""
+    given = {name: pn.state.session_args[name][-1] for name in FOR_BROWSER if name in pn.state.session_args}
+    values = address_of(scene, DEFAULT) | given
     return f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>'
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 # Read by the libraries when they are loaded: processes as many as cores need no further threads.
 ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"
+SAFE = "PYTHONSAFEPATH"  # the fork server would import an `app` of the current folder; a process gets this one's path
 # A plain fork copies the locks of threads in whatever state they are. The fork server has one thread, and has imported
 # what `multiprocessing.set_forkserver_preload` names, so a process starts at once. Other systems do not have it.
 START = "forkserver" if sys.platform == "linux" else "spawn"
@@ -119,14 +120,14 @@ class Caller:
 
 @contextmanager
 def _prepared():
-    """While a process starts: ONE_THREAD is set where it is not, and `__main__`'s file is hidden.
+    """While a process starts: ONE_THREAD and SAFE are set where they are not, and `__main__`'s file is hidden.
 
     The new process inherits the variables. It would import the file, which may be the start script of a server.
     """
     main = sys.modules["__main__"]
     with starting:
         file = main.__dict__.pop("__file__", None)
-        added = {name: "1" for name in ONE_THREAD if name not in os.environ}
+        added = {name: "1" for name in (*ONE_THREAD, SAFE) if name not in os.environ}
         os.environ.update(added)
         try:
             yield

@@ -20,6 +20,7 @@ ROLES = "student", "teacher"
 ASKED = "F_s", "U_s", "A_s", "L_s"  # what a teacher's own question may be about
 
 _classes: dict[str, "Class"] = {}  # by code
+several = False  # whether this process is one of --num-procs: each would have a class of the same code
 
 
 @dataclass(eq=False)
@@ -64,6 +65,10 @@ class Attendance:
         """
         if self.of or not secret or not CODE.fullmatch(code):
             raise orders.Refused
+        if several:
+            text = f"Class {code} cannot open: this server has several processes, and each would have its own"
+            self.session.notes = [f"{text} class {code}. Start it without --num-procs."]
+            return
         found = _classes.setdefault(code, Class(code))
         free = found.teacher is None or was == "teacher"  # its last page may not have left yet
         if was != "student" and free and found.secret in ("", secret):

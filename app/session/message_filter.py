@@ -2,13 +2,14 @@
 
 Bokeh parses and applies the messages. It would also add roots, or change the title; this module rejects such messages.
 Of the experiment a browser sets the parameters of the Stage that have an order, and nothing else. Undocumented in
-Bokeh 3.9: the handler of "/ws" has the `receiver`, `handler` and `connection` of a session, and `write_lock`, which
-Panel looks at.
+Bokeh 3.9: the handler of "/ws" has the `receiver`, `handler` and `connection` of a session, `write_lock`, which Panel
+looks at, and an `application_context`, which discards sessions.
 """
 
 import asyncio
 import logging
 from contextlib import suppress
+from math import inf
 from typing import Any
 
 from bokeh.util.token import get_session_id
@@ -24,21 +25,29 @@ log = logging.getLogger("app")
 PARTS = 5  # of a message: header, metadata, content; for a file also its header and bytes
 TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
+ALIVE = 30.0  # s between two pings, and for the answer: a browser that sleeps keeps its place for twice that
 SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
 CHANGES = {"ModelChanged", "MessageSent"}  # of the Stage, of widgets of research pages, and clicks
 
 connected = set()  # ids of the sessions whose browsers are connected
-opened = set()  # ids of the sessions whose pages were sent, and whose browsers may still connect
+# {id: ServerSession} of research pages that were sent, and whose browsers may still connect
+opened = dict[str, Any]()
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
 
-def is_full(peer: str) -> bool:
-    """Whether the maximum number of browsers is there; if so, count a rejection of this address."""
-    if len(connected) + len(opened) < VISITORS:
+def is_full(peer: str, coming: int = 0) -> bool:
+    """Whether the maximum number of browsers is there, or coming; if so, count a rejection of this address."""
+    if len(connected) + coming < VISITORS:
         return False
     metrics.count("rejected_visits")
     log.info("class full: a visitor was rejected", extra={"peer": peer})
     return True
+
+
+def no_longer_opened(name: str) -> None:
+    """Let the session of a research page end from now on: its browser has connected, or has not come in time."""
+    if session := opened.pop(name, None):
+        session.unblock_expiration()
 
 
 class MessageFilter(WSHandler):
@@ -52,6 +61,11 @@ class MessageFilter(WSHandler):
     def set_default_headers(self) -> None:
         self.clear_header("Server")
 
+    @property
+    def ping_interval(self) -> float:
+        """Tornado ends a connection whose browser does not answer; Bokeh's own pings wait for no answer."""
+        return ALIVE
+
     def open(self, *where: Any, **named: Any) -> Any:
         """Accept a browser with the token of its page, unless the server is full."""
         try:
@@ -60,7 +74,6 @@ class MessageFilter(WSHandler):
             name = get_session_id(self._token)
             if name in connected:
                 raise ValueError("a page has one browser")
-            opened.discard(name)
             if not is_full(self.request.remote_ip):
                 self.name = name
                 connected.add(name)
@@ -73,10 +86,10 @@ class MessageFilter(WSHandler):
     def on_close(self) -> None:
         """Handle the end of the connection. Bokeh may have noticed it before, by a ping, while messages waited."""
         self._give_up_place()
-        if self._session is not None:
-            if visitor := self._visitor():
-                visitor.attendance.leave()  # its class need not wait until Bokeh discards the session
+        if (session := self._session) is not None:
             super().on_close()
+            session.request_expiration()  # at once: Bokeh's next look is up to 32 s away, and workers would go on
+            IOLoop.current().spawn_callback(self.application_context._cleanup_sessions, inf)
 
     def _give_up_place(self):
         connected.discard(self.name)
@@ -85,6 +98,7 @@ class MessageFilter(WSHandler):
     async def _async_open(self, token):
         try:
             await super()._async_open(token)
+            no_longer_opened(get_session_id(token))
         except Exception as error:
             self._reject(error)
 

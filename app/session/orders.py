@@ -1,5 +1,6 @@
 """Orders of a browser: parameters of the Stage, {"n": number, field: value}. How a method declares one."""
 
+import re
 from collections.abc import Callable
 from inspect import Parameter, signature
 from typing import Any, NamedTuple
@@ -9,6 +10,7 @@ from app.session.controls import FOR_SERVER, PARAMETERS
 SMALL = 8000  # characters of an entry; more than any number needs
 LARGEST = 2_000_000  # bytes of a file; the browser checks this too
 FORMATS = "npz", "json"
+HALF = re.compile("[\ud800-\udfff]")  # half of a character: no encoding can write it, so nothing can send or save it
 
 
 class Refused(ValueError):
@@ -30,7 +32,7 @@ def is_whole(value: Any) -> bool:
 
 
 def is_text(value: Any, most: int = 64) -> bool:
-    return isinstance(value, str) and len(value) <= most
+    return isinstance(value, str) and len(value) <= most and not HALF.search(value)
 
 
 def is_link(value: Any) -> bool:

@@ -17,12 +17,13 @@ from ..threads import one_thread
 from .accuracy import add_accuracy
 from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, InputError, program
 from .run import add_run
+from .serve import add_serve
 from .sweep import add_sweep
 from .verify import add_verify
 
 CLOSED_PIPE = 141  # exit code, as shells report SIGPIPE
 COLUMNS = 100  # characters of a line of `parameters`: a terminal beside another window
-COMMANDS = add_run, add_sweep, add_verify, add_accuracy
+COMMANDS = add_run, add_sweep, add_verify, add_accuracy, add_serve
 
 
 class CompilingNotice(Listener):

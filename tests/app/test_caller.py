@@ -1,5 +1,8 @@
 """A call in another process gets its own answer, whatever happened to the call before."""
 
+import subprocess
+import sys
+
 import pytest
 
 from app.service.caller import Caller, Lost
@@ -61,3 +64,24 @@ def test_a_call_that_fails_or_cannot_be_pickled_leaves_the_process_to_the_next_o
         caller.call(function, argument)
     assert lost.value.kind == "error"
     assert caller.call(twice, 21) == 42
+
+
+CALLS = """
+from app.limits import increments_of
+from app.service import pool
+from app.service.caller import Caller
+from solver import Scene
+print(Caller().call(increments_of, Scene()) == increments_of(Scene()))
+"""
+
+
+@pytest.mark.parametrize("name", ["app/__init__.py", "solver.py", "numpy.py", "signal.py"])
+def test_a_process_imports_nothing_of_the_folder_in_which_it_is_started(tmp_path, name):
+    """A project of the user's may have modules of the same names."""
+    script, own = tmp_path / "bin" / "script.py", tmp_path / "project" / name  # a script finds what is installed
+    for file, text in ((script, CALLS), (own, "raise SystemExit('of the folder')")):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    run = {"cwd": tmp_path / "project", "capture_output": True, "text": True, "timeout": 300}
+    ended = subprocess.run([sys.executable, script], **run)
+    assert (ended.stdout, ended.returncode) == ("True\n", 0), ended.stderr

@@ -100,7 +100,7 @@ def test_a_feature_without_what_it_needs_and_one_that_cannot_be_imported_are_lef
     assert "the feature broken is left out" in log and "nothing_of_this_name" in log
 
 
-APP = Path(__file__).parents[3] / "app"
+APP = Path(__file__).parents[2] / "app"
 
 
 LONGEST = 120  # characters of a line, as ruff holds for Python

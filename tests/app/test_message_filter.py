@@ -37,7 +37,10 @@ class Visit:
         self.filter.parts, self.filter.name, self.filter.rejected, self.filter.written = 0, None, False, []
         self.filter.request = SimpleNamespace(remote_ip="192.0.2.9")
         self.filter.receiver = Receiver(Protocol())
-        self.filter.connection = SimpleNamespace(session=SimpleNamespace(document=session.doc, patch=self._patch))
+        self.filter.connection = SimpleNamespace(
+            session=SimpleNamespace(document=session.doc, patch=self._patch, request_expiration=lambda: None)
+        )
+        self.filter.application_context = SimpleNamespace(_cleanup_sessions=lambda age: None)
         root = session.stage.get_root(session.doc)
         session.doc.add_root(root)
         self.root, self.wire = root.id, root.data.id
@@ -306,6 +309,22 @@ def test_orders_with_undeclared_fields_or_wrong_types_are_rejected(session, text
         orders.read(session.orders[given.pop("do")], given)
 
 
+@pytest.mark.parametrize("text", ["\ud800", "fig6\udfff", "\ude00\ud83d"])
+def test_a_text_that_no_encoding_can_write_is_rejected_in_every_field_of_every_order(session, text):
+    tried = 0
+    for method in session.orders.values():
+        for test in (method.order.needs | method.order.takes).values():
+            names = {orders.are_entries: "E", orders.is_address: "preset"}
+            for value in (text, {names.get(test, "E"): text}, {text: "1"}):
+                assert not test(value)
+                tried += 1
+    assert tried > 60
+    say(session, HELLO)
+    say(session, {"do": "page", "page": text, "n": 3})
+    assert session.status["acknowledged"] == 3 and "Reload the page" in session.status["notes"][0]
+    assert orders.is_text("θ 😀")  # one character, and no half of it
+
+
 def test_a_field_of_an_order_may_be_missing_only_if_its_method_has_a_default():
     class Part:
         @orders.order("move", far=orders.is_number, held=orders.is_flag)
@@ -363,7 +382,7 @@ def test_every_order_is_acknowledged(session):
 
 def test_an_error_of_an_order_beside_the_run_is_a_note_and_leaves_the_run(session, caplog, monkeypatch):
     say(session, HELLO)
-    monkeypatch.setattr(session.features["pages"], "open", lambda page: 1 / 0)
+    monkeypatch.setattr(session.features["pages"], "close", lambda: 1 / 0)
     say(session, '{"do":"page","page":"law"}')
     assert "ZeroDivisionError" in caplog.text and session.run.state != "failed"
     assert "its log describes. The run on screen stays." in session.status["notes"][0]

@@ -10,10 +10,12 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+from visitor import waited
 
 from app.routes import FILES
 
 ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "load"))  # of a Tab
 # The commands of Panel and Bokeh build the server; where they would wait for visitors, this prints what was built.
 LOOK = """
 import json, sys
@@ -101,7 +103,41 @@ def test_a_server_of_the_file_alone_ends_with_a_sentence_at_the_first_visit():
 
 
 @pytest.mark.slow
-def test_servers_of_num_procs_name_the_port_that_the_system_has_chosen_and_end_with_their_parent():
+def test_a_folder_beside_another_installed_version_is_not_served(tmp_path, monkeypatch):
+    """Its pages would be those of the other version."""
+    other = tmp_path / "app"
+    other.mkdir()
+    (other / "__init__.py").write_text("")  # whatever else it holds, it is another one
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with started("app") as (server, lines):
+        said = "".join(lines)
+        assert server.wait(120) != 0
+    assert f"another version is installed: {other}. Install this one: pip install -e {ROOT}" in said
+    assert "Traceback" not in said
+
+
+NO_CLASS = (
+    "Class ABCD cannot open: this server has several processes, and each would have its own class ABCD."
+    " Start it without --num-procs."
+)
+
+
+async def notes_of_class(port):
+    """What a visitor reads who opens the page of a class."""
+    from client import Tab  # here: its folder is on the path by now
+
+    tab = Tab(port, 0)
+    await tab.arrive("?class=ABCD")
+    for order in ({"do": "hello"}, {"do": "join", "code": "ABCD", "secret": "mine"}):
+        await tab.give(order)
+    while not tab.status.get("notes"):
+        await tab.heard()
+    tab.leave()
+    return " ".join(tab.status["notes"])
+
+
+@pytest.mark.slow
+def test_servers_of_num_procs_name_the_port_the_system_has_chosen_open_no_class_and_end_with_their_parent():
     """They share the pipe of the log with it, which has an end only when all of them have ended."""
     count = 1 if sys.platform == "win32" else 2  # --num-procs needs a fork
     with started("app", "--num-procs", f"{count}", "--allow-websocket-origin=*") as (server, lines):
@@ -113,5 +149,6 @@ def test_servers_of_num_procs_name_the_port_that_the_system_has_chosen_and_end_w
         (port,) = {*told["running at"], *told["visitors open"]}  # a class reads the second
         assert port != "0"
         if count > 1:
+            assert {waited(notes_of_class(int(port))) for _ in range(6)} == {NO_CLASS}  # whichever process answers
             server.terminate()
             assert sum("the server is being stopped" in line for line in lines) == 2

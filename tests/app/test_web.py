@@ -13,7 +13,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -33,10 +33,12 @@ from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
 from visitor import waited
 
-from app import assets, experiment, page, routes, server_log, web
+from app import assets, experiment, lab, page, routes, server_log, web
 from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
+
+LONG = {"unused_session_lifetime_milliseconds": 3_600_000}  # no test waits so long for the end of a session
 
 
 def opened(doc):
@@ -52,7 +54,7 @@ def address():
     before = urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado
     routes.install()
     pages = {"/app": Application(FunctionHandler(opened))}
-    application = server.BokehTornado(pages, extra_patterns=get_static_routes({}))  # as `panel serve` does
+    application = server.BokehTornado(pages, extra_patterns=get_static_routes({}), **LONG)  # as `panel serve` does
     urls.per_app_patterns[:], urls.toplevel_patterns[:], server.BokehTornado = before
     socket, port = bind_unused_port()
     ready, loops = threading.Event(), []
@@ -130,13 +132,18 @@ def test_plain_requests_do_not_count_as_visitors(address, monkeypatch):
     assert [get(f"{address}/app")[0] for _ in range(5)] == [200] * 5
 
 
-def test_research_pages_whose_browsers_do_not_connect_fill_the_class_for_a_minute(address, monkeypatch):
-    """Their sessions begin with the request; forty of them took 19 s of the loop of a class of five."""
+@pytest.mark.parametrize("page", ["", *lab.PAGES, "unknown"])
+def test_requests_without_a_browser_bound_research_pages_and_keep_nobody_out_of_the_class(address, monkeypatch, page):
+    """Sessions of research pages begin with the request; forty of them took 19 s of the loop of a class of five."""
     monkeypatch.setattr(message_filter, "VISITORS", 2)
     monkeypatch.setattr(message_filter, "connected", set())
-    assert [get(f"{address}/app?lab=stick_slip")[0] for _ in range(4)] == [200, 200, 503, 503]
-    message_filter.opened.clear()  # as CONNECTS ends
+    message_filter.opened.clear()
+    found = [get(f"{address}/app{page and f'?lab={page}'}")[0] for _ in range(4)]
+    assert found == ([200, 200, 503, 503] if page else [200] * 4)
     assert get(f"{address}/app")[0] == 200
+    message_filter.opened.clear()  # as CONNECTS ends
+    assert get(f"{address}/app?lab={page}")[0] == 200
+    message_filter.opened.clear()
 
 
 def test_a_too_long_address_is_answered_with_414(address):
@@ -271,8 +278,25 @@ def test_a_silent_connection_does_not_keep_visitors_out(address, caplog):
     assert "TimeoutError" in record.message and record.peer == "127.0.0.1"
 
 
-@pytest.mark.usefixtures("one_place")
-def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, caplog):
+@pytest.mark.parametrize("query", ["", "?lab=fit"])
+def test_what_a_visitor_has_begun_ends_with_the_connection(address, caplog, query):
+    """Workers computed on for him until Bokeh discarded his session."""
+    caplog.set_level(logging.INFO, "app")
+    token = tokens(get(f"{address}/app{query}")[2])
+
+    async def visit():
+        headers = {"Host": "localhost", "Sec-WebSocket-Protocol": f"bokeh, {token}"}
+        made = await websocket_connect(HTTPRequest(f"{address.replace('http', 'ws')}/app/ws", headers=headers))
+        await made.read_message()  # the server has a session by then
+        made.close()
+
+    waited(visit())
+    assert logged(caplog, "visitor arrived") and logged(caplog, "visitor left")
+
+
+@contextmanager
+def deaf(address):
+    """A connection of a browser that answers nothing from then on."""
     token, (host, port) = tokens(get(f"{address}/app")[2]), address.removeprefix("http://").split(":")
     lines = [
         "GET /app/ws HTTP/1.1",
@@ -285,6 +309,39 @@ def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(addres
     ]
     with socket.create_connection((host, int(port)), timeout=60) as connection:
         connection.sendall("\r\n".join([*lines, "", ""]).encode())
+        yield connection
+
+
+def test_a_browser_that_sleeps_gives_up_its_place_and_one_that_answers_keeps_its_own(address, monkeypatch):
+    """Its computer acknowledges what arrives, so that the connection stays open for hours."""
+    monkeypatch.setattr(message_filter, "ALIVE", 0.5)
+    monkeypatch.setattr(message_filter, "VISITORS", 2)
+    monkeypatch.setattr(message_filter, "connected", set())
+    token = tokens(get(f"{address}/app")[2])
+
+    async def seen(sleeps):
+        while b"bokeh" not in sleeps.recv(65536):  # it is connected
+            pass
+        headers = {"Host": "localhost", "Sec-WebSocket-Protocol": f"bokeh, {token}"}
+        awake = await websocket_connect(HTTPRequest(f"{address.replace('http', 'ws')}/app/ws", headers=headers))
+        for _part in range(3):  # of an acknowledgement: a browser reads all, or it could not answer
+            await awake.read_message()
+        found = [503]
+        async with asyncio.timeout(60.0):
+            while found[-1] == 503:
+                found.append((await asyncio.to_thread(get, f"{address}/app"))[0])
+        kept = len(message_filter.connected)
+        awake.close()
+        return found, kept
+
+    with deaf(address) as sleeps:
+        found, kept = waited(seen(sleeps))
+    assert (found[1], found[-1], kept) == (503, 200, 1)
+
+
+@pytest.mark.usefixtures("one_place")
+def test_a_rejected_connection_gives_up_its_place_though_it_never_answers(address, caplog):
+    with deaf(address) as connection:
         while b"\x88" not in connection.recv(65536):  # the frame that closes the connection
             pass
         assert get(f"{address}/app")[0] == 200
@@ -462,9 +519,9 @@ def test_log_shows_the_address_for_a_class(monkeypatch, caplog):
     server_log.log_addresses(["serve", "app", "--port", "5007"])
     command = "panel serve app --address 0.0.0.0 --port 5007 --allow-websocket-origin 192.0.2.7:5007"
     assert caplog.messages[-1] == f"for a class at http://192.0.2.7:5007/app start it by: {command}"
-    monkeypatch.chdir("/")  # where the package is installed from a wheel, the app is elsewhere
+    monkeypatch.chdir("/")  # no folder of a clone
     server_log.log_addresses(["serve", "site-packages/app"])
-    assert f"panel serve {Path(page.__file__).parent} --address" in caplog.messages[-1]
+    assert "start it by: mixed-mode-contact serve --address 0.0.0.0 --port 5006" in caplog.messages[-1]
     server_log.log_addresses(["serve", "app", "--port=5007", "--allow-websocket-origin", "192.0.2.7:5007"])
     assert caplog.messages[-1] == "visitors open http://192.0.2.7:5007/app"
     monkeypatch.setenv("BOKEH_ALLOW_WS_ORIGIN", "contact.example")
@@ -479,7 +536,7 @@ def test_the_page_shares_the_port_that_is_bound(monkeypatch):
     monkeypatch.setattr(server_log, "_bound", {})
     monkeypatch.setattr(sys, "orig_argv", ["panel", "serve", "app", "--port", "0", "--allow-websocket-origin=*"])
     server_log.bound("http://127.0.0.1:4321/")
-    assert page.declarations("")["reach"]["origins"] == ["http://192.0.2.7:4321"]
+    assert page.values("")["declarations"]["reach"]["origins"] == ["http://192.0.2.7:4321"]
 
 
 @pytest.mark.parametrize("host", ["localhost:5006", "127.0.0.1", "contact.example:443"])

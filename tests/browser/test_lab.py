@@ -1,5 +1,7 @@
 """The research pages in a browser: opened from the menu with the scene, computed, and left with the scene."""
 
+from urllib.parse import parse_qsl, urlencode, urlsplit
+
 import pytest
 from served import finished, found_by_axe
 from tabs import DESKTOP, Tabs
@@ -82,6 +84,26 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
     finished(tab)
     values = tab.evaluate("punch.status.values")
     assert values["E"] == 35 and values["nodes"] == 64
+
+
+@pytest.mark.parametrize("name", lab.PAGES)
+def test_who_comes_back_from_a_page_is_in_the_class_at_the_stop_and_in_the_view_that_was_left(visit, name):
+    kept = {"class": "ABCD", "more": "1", "view": "projector", "ask": "F_s", "change": "phi_ratio:0.5", "theme": "dark"}
+    page = visit(f"{QUICK}&{urlencode(kept)}")
+    page.wait_for_function("punch.lesson?.stop === 0")
+    page.locator(f"nav a[data-lab={name}]").dispatch_event("click")
+    page.get_by_role("heading", name=lab.PAGES[name]).wait_for()
+    page.get_by_role("link", name="Back to the experiment").click()
+    page.wait_for_function("window.punch?.lesson?.leads")  # the teacher of the class still is
+    assert dict(parse_qsl(urlsplit(page.url).query)).items() >= kept.items()
+    assert (
+        page.evaluate("({ ...document.documentElement.dataset })").items()
+        >= {
+            "more": "",
+            "view": "projector",
+            "theme": "dark",
+        }.items()
+    )
 
 
 def test_an_unknown_page_is_named_and_the_experiment_is_one_link_away(visit):

@@ -39,6 +39,31 @@ def test_what_is_ordered_before_the_stage_is_there_follows_the_order_that_starts
     assert given == [["hello", 0], ["layer", 1], ["skip", 2]]
 
 
+def test_the_server_is_silent_from_any_order_until_it_answers_that_one(tab, session):
+    """Whether it is still there is asked after 4 s: see connection.js."""
+    silent = tab.evaluate(
+        """async (names) => {
+            const { connect, heard, order, silence } = await import("http://scripts/static/js/channel.js")
+            let last = 0
+            connect(new Proxy({ on() {} }, { set: (_, what, { n }) => { last = n; return true } }))
+            order("skip")
+            heard(last) // and whatever this tab has ordered before
+            const tick = () => { const begun = performance.now(); while (performance.now() === begun); }
+            return Object.fromEntries(names.map((name) => {
+                order(name)
+                tick()
+                const waits = silence() > 0
+                heard(last - 1)
+                const still = silence() > 0
+                heard(last)
+                return [name, [waits, still, silence() > 0]]
+            }))
+        }""",
+        sorted(session.orders.keys() - {"hello"}),
+    )
+    assert len(silent) > 15 and {*map(tuple, silent.values())} == {(True, True, False)}
+
+
 def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     passed_on = tab.evaluate(
         """async () => {
@@ -65,26 +90,37 @@ def test_messages_keep_their_order_while_packed_ones_are_unpacked(tab):
     assert passed_on == [True, ["first", "chunk 0", "second", "chunk 1", "third"]]
 
 
-def test_a_message_that_is_never_unpacked_does_not_hold_back_those_after_it(tab):
-    passed_on = tab.evaluate(
-        """async () => {
-            const { setTimeout: later } = window, passedOn = []
+@pytest.mark.parametrize("kind", ["run", "slip"])
+@pytest.mark.parametrize("fails", ["new Promise(() => {})", "Promise.reject(new Error('no frames'))"])
+def test_of_a_run_with_a_part_that_is_not_unpacked_no_later_part_is_passed_on_and_the_page_says_so(tab, kind, fails):
+    """What else comes after it is passed on."""
+    passed_on, said = tab.evaluate(
+        f"""async ([kind, of]) => {{
+            const {{ setTimeout: later }} = window, passedOn = []
             window.setTimeout = (call, ms) => later(call, ms > 5000 ? 1 : ms) // the time is over at once
-            window.addEventListener("error", (event) => event.preventDefault(), { once: true })
-            const { connect, take } = await import("http://scripts/static/js/channel.js")
-            const told = {}, stage = { on: (kind, call) => { told[kind] = call } }
+            window.addEventListener("error", (event) => event.preventDefault(), {{ once: true }})
+            document.body.innerHTML = "<p id=lost hidden><b></b><span></span><button id=retry></button></p>"
+            const {{ connect, take }} = await import("http://scripts/static/js/channel.js")
+            const told = {{}}, stage = {{ on: (kind, call) => {{ told[kind] = call }} }}
             connect(stage)
-            const send = ({ kind, ...message }) => { stage[kind] = message; told[kind]() }
-            take("status", ({ text }) => passedOn.push(text))
-            take("run", () => passedOn.push("run"), () => new Promise(() => {}))
-            send({ kind: "run" })
-            send({ kind: "status", text: "after" })
-            await new Promise((then) => later(then, 50))
+            const send = ({{ kind, ...message }}) => {{ stage[kind] = message; told[kind]() }}
+            take("status", ({{ text }}) => passedOn.push(text))
+            take(kind, ({{ part }}) => passedOn.push(part), async (message) => message.part ? message : {fails})
+            const own = Math.random(), other = Math.random() // the tab has others of other tests
+            for (const part of ["first", "", "third"]) send({{ kind, [of]: own, part }})
+            send({{ kind: "status", text: "after" }})
+            send({{ kind, [of]: other, part: "of another" }})
+            send({{ kind, [of]: own, part: "fourth" }})
+            send({{ kind: "status", text: "last" }})
+            while (passedOn.at(-1) !== "last") await new Promise((then) => later(then))
             window.setTimeout = later
-            return passedOn
-        }"""
+            const lost = document.getElementById("lost")
+            return [passedOn, lost.hidden ? "" : lost.textContent]
+        }}""",
+        [kind, {"run": "run", "slip": "frame"}[kind]],
     )
-    assert passed_on == ["after"]
+    assert passed_on == ["first", "after", "of another", "last"]
+    assert said.startswith("Incomplete:") and "Load the page again" in said
 
 
 @pytest.mark.parametrize("name", MODULES)

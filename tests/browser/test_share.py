@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -172,3 +173,21 @@ def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(lo
     command = [sys.executable, "-c", lines]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
     assert int(ran.stdout.split()[0]) == page.evaluate("punch.run.length")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no process can be stopped for a while")
+def test_a_file_that_a_silent_server_does_not_make_is_given_up_with_the_reason(browser):
+    silent = Server()
+    silent.wait_for("workers are warm")
+    page = patient(browser.new_page())
+    page.goto(silent.address)
+    finished(page)
+    from_menu(page, "#take")
+    page.wait_for_function("document.getElementById('share-python').value")
+    silent.process.send_signal(signal.SIGSTOP)
+    page.locator("[data-file=json]").press("Enter")
+    page.locator("#share-status", has_text="server does not answer").wait_for()
+    page.locator("#lost", has_text="Connection lost").wait_for()
+    silent.process.send_signal(signal.SIGCONT)
+    page.close()
+    silent.stop()

@@ -1,6 +1,7 @@
 """A run saved as one file: it is seen, played and scrubbed without a server and without a network."""
 
 from dataclasses import replace
+from string import ascii_letters, digits
 
 import pytest
 
@@ -58,6 +59,30 @@ def test_a_saved_run_plays_and_scrubs_without_server_and_network(opened, scene):
     assert page.title() == "A <b>run</b>"
     for part in ("header", ".controls", "#grab", "#lost"):
         assert not page.locator(part).first.is_visible()
+
+
+KEYS = [*ascii_letters, *digits, *"?[] ", "Home", "End", "ArrowLeft", "ArrowRight", "Shift+ArrowLeft", "Escape"]
+
+
+def test_no_key_and_no_drag_makes_a_saved_run_wait_for_a_server(opened):
+    page = opened(simulate(Scene(**SMALL, u_x_max=14.0)))
+    page.evaluate("document.activeElement.blur()")
+    for key in KEYS:
+        page.keyboard.press(key)
+        page.evaluate("document.querySelectorAll('dialog[open]').forEach((dialog) => dialog.close())")
+    box = page.locator("#punch-view").bounding_box()
+    x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"]
+    for dx, dy in ((0, 90), (0, -90), (90, 0), (-90, 0)):
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + dx, y + dy, steps=9)
+        page.mouse.up()
+    page.wait_for_function("!punch.fresh")
+    waits = "() => [punch.waiting.length, punch.entered, punch.dragging, punch.following, punch.stale]"
+    assert page.evaluate(waits) == [0, None, False, False, False]
+    page.keyboard.press("r")
+    page.wait_for_function("punch.playing && punch.drawn > punch.run.beginning")
+    assert page.evaluate("document.querySelector('.page').dataset.stale") == "false" and page.faults == []
 
 
 def test_a_saved_run_names_its_scene_and_says_why_it_ended(opened):

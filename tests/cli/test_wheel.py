@@ -48,9 +48,7 @@ def test_the_wheel_computes_and_serves_from_an_empty_folder(installed, tmp_path)
     small = ["--set", "nodes=16", "width=40", "u_x_max=1", "--json", "run.json"]
     subprocess.run([sys.executable, "-m", "solver", "run", *small], check=True, timeout=PATIENCE, **own)
     assert (tmp_path / "run.json").is_file()
-    where = [sys.executable, "-c", "import app; print(app.__path__[0])"]  # as docs/serve.md says
-    folder = subprocess.run(where, capture_output=True, text=True, check=True, **own).stdout.strip()
-    command = [sys.executable, "-m", "panel", "serve", folder, "--port", str(port)]
+    command = [sys.executable, "-m", "solver", "serve", "--port", str(port)]
     server = subprocess.Popen(command, **own)
     try:
         page, end = None, time.monotonic() + PATIENCE

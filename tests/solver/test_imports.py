@@ -58,7 +58,7 @@ def test_mechanics_knows_nothing_of_runs(path):
 @pytest.mark.parametrize("path", modules("."), ids=lambda path: str(path.relative_to(HERE)))
 def test_the_solver_does_not_know_the_app(path):
     assert not any(name.split(".")[0] == "app" for name in imported(path))
-    assert '"app"' not in path.read_text()
+    assert path.name == "serve.py" or '"app"' not in path.read_text()  # that command hands its folder to Panel
 
 
 @pytest.mark.parametrize("path", modules("."), ids=lambda path: str(path.relative_to(HERE)))

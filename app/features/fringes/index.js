@@ -39,10 +39,9 @@ const chosen = () => by("stress").value
 const keyOf = (component) => document.querySelector(`.of-stress[data-stress=${component}]`)
 const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only the user changes it
 
-// The key: the colours of the first orders or of both signs, and the stress at which they end
+// The key of what is drawn: the colours of the first orders or of both signs, and the stress at which they end
 const keyed = memory()
-function drawKey() {
-  const what = chosen()
+function drawKey(what) {
   if (!keyed(theme(), perFringe(), what)) return
   document.querySelector(".page").dataset.stress = what
   document.querySelector(".of-fringe").hidden = what !== "fringes"
@@ -74,8 +73,8 @@ function tableNow({ head: { scene } }, half) {
 function drawFringes(run, k) {
   const { punch } = charts, box = isShown(by("punch-view")) ? punch.box : null
   if (!box) return
-  drawKey()
   const { table, deep } = chosen() === "plain" || run.head.flat || run.apart ? {} : tableNow(run, punch.x.end)
+  drawKey(table ? chosen() : "plain") // the table may still be on its way
   punch.fill("fringes", { picture: table ? sheet : null })
   if (!table) return
   const size = me.dragging ? COARSE : FINE, orders = ordersIn(run, k, table, punch.x.end, size)

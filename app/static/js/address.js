@@ -83,6 +83,8 @@ export function goBackTo(scene, k = null) {
 
 // beside the scene: going back leaves them as they are
 const VIEWED = ["theme", "embed", "tour", "view", "more", "class", "ask", "change", "check"]
+export const viewed = () =>
+  Object.fromEntries([...new URLSearchParams(location.search)].filter(([name]) => VIEWED.includes(name)))
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
 export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page

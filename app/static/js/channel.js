@@ -1,6 +1,7 @@
 // Orders to the server, and messages from it: the parameters of the Stage (app/stage.py).
 
-import { me } from "./store.js"
+import { warn } from "./opening.js"
+import { alone, me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LATE = 20_000 // ms
@@ -8,6 +9,7 @@ const LARGEST = 2e6 // bytes of a file, as the server
 let stage = null // the Stage, once it is there
 const early = [] // orders given before
 let orders = 0
+let asked = [] // {n, at} of orders without an answer, the oldest first
 
 // The Stage is there, or rendered again. The first order starts the run: what was given before is about one
 export function connect(model) {
@@ -16,17 +18,34 @@ export function connect(model) {
   for (const kind in takers) listen(kind)
   if (!first) return
   order("hello")
-  for (const [what, fields] of early.splice(0)) stage[what] = fields
+  for (const given of early.splice(0)) send(...given)
+}
+
+function send(what, fields) {
+  asked.push({ n: fields.n, at: performance.now() })
+  stage[what] = fields
 }
 
 // Messages go to what takes their kind, in the order in which they came
 function listen(kind) {
   stage.on(kind, () => {
-    const message = stage[kind], [call, unpack] = takers[kind]
-    const pass = ([{ value, reason }]) => (reason ? Promise.reject(reason) : call(value))
+    const message = stage[kind], [call, unpack] = takers[kind], of = message.run ?? message.frame
+    const pass = ([{ value, reason }]) => {
+      if (reason) return incomplete(kind, of, reason)
+      return of !== undefined && broken[kind] === of ? null : call(value)
+    }
     const unpacked = unpack ? Promise.race([unpack(message), late(kind)]) : message
     before = Promise.allSettled([unpacked, before]).then(pass).catch(reportError)
   })
+}
+
+const broken = {} // {kind: run, or frame of a film, of which a part did not arrive: the others are no whole}
+function incomplete(kind, of, reason) {
+  if (of !== undefined) {
+    broken[kind] = of
+    warn("Incomplete:", "a part of this run did not arrive. Load the page again: ", () => location.reload())
+  }
+  throw reason
 }
 
 // Fails after a time: what is not unpacked by then holds back all later messages
@@ -39,14 +58,15 @@ export function take(kind, call, unpack) {
   takers[kind] = [call, unpack]
   if (stage) listen(kind)
 }
-export const silence = () => (me.waiting.length ? performance.now() - me.waiting[0].at : 0) // ms
+export const silence = () => (asked.length ? performance.now() - asked[0].at : 0) // ms
 
-// Give an order with its fields
+// Give an order with its fields; without a server there is nobody to obey
 export function order(what, fields = {}) {
+  if (alone) return
   const n = what === "hello" ? 0 : ++orders
-  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values, at: performance.now() }]
+  if (ANSWERED.includes(what)) me.waiting = [...me.waiting, { n, what, values: fields.values }]
   if (me.lost) return
-  if (stage) stage[what] = { n, ...fields }
+  if (stage) send(what, { n, ...fields })
   else early.push([what, { n, ...fields }])
 }
 
@@ -57,6 +77,7 @@ export const outdated = ({ acknowledged }) => acknowledged < answered
 // The server has heard the orders up to a number
 export function heard(n) {
   answered = Math.max(answered, n ?? -1)
+  asked = asked.filter((sent) => sent.n > answered)
   if (me.waiting.some((sent) => sent.n <= n)) me.waiting = me.waiting.filter((sent) => !(sent.n <= n))
 }
 

@@ -1,6 +1,6 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { namesScene } from "./address.js"
+import { namesScene, viewed } from "./address.js"
 import { tooLarge } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
@@ -29,7 +29,7 @@ function connectHand() {
   onDrag(view, (event) => { // where the drag begins, and what it changes, once that is clear
     if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return null
     const along = me.run.along[Math.max(0, me.drawn)]
-    const pushes = event.pointerType !== "touch" || event.target.id === "grab"
+    const pushes = !alone && (event.pointerType !== "touch" || event.target.id === "grab")
     return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value], pushes }
   }, (event, from) => {
     const dx = event.clientX - from.x, dy = event.clientY - from.y
@@ -119,10 +119,9 @@ function choosePreset(preset) {
 // The hint over the contact goes once anything was moved
 const hideHint = () => { by("grab").hidden = true }
 
-// A research page opens with the scene on screen
+// A research page opens with the scene on screen; back from there this page is as it was, in its class
 function bringScene({ currentTarget: link }) {
-  const { theme } = document.documentElement.dataset
-  link.search = new URLSearchParams({ lab: link.dataset.lab, theme, ...me.status.address })
+  link.search = new URLSearchParams({ ...viewed(), lab: link.dataset.lab, theme: theme(), ...me.status.address })
 }
 
 export function connect() {

@@ -8,7 +8,7 @@ import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
 import { chunkFrom } from "./skeleton.js"
 import { restore, sendNext } from "./steer.js"
-import { declared, ended, exact, me, now, reduced, set, touch, view } from "./store.js"
+import { alone, declared, ended, exact, me, now, reduced, set, touch, view } from "./store.js"
 
 let coming = null // the run that takes the place of what is on screen once it is whole
 
@@ -183,8 +183,8 @@ function summarise(what) {
 export function reset() {
   const plain = by("speed").querySelector("[selected]")
   by("speed").value = plain.value
-  set({ ghost: null, start: null, following: true, preview: null, place: null, playing: !reduced,
-    speed: Number(plain.value) })
+  set({ ghost: null, start: null, following: !alone, preview: null, place: null, playing: !reduced,
+    speed: Number(plain.value), ...(alone && { at: me.run.beginning }) })
   restore({})
 }
 

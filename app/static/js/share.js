@@ -6,7 +6,7 @@ import { charts } from "./charts.js"
 import { colour } from "./colours.js"
 import { by, make, on } from "./dom.js"
 import { digits, fixed } from "./quantities.js"
-import { declared, me } from "./store.js"
+import { declared, me, view as whenever } from "./store.js"
 import { parameters } from "./words.js"
 
 const NAME = "mixed-mode-contact"
@@ -26,6 +26,7 @@ const CELLS = {
   "friction F (N/m)": ({ F }) => digits(F, 4), "load L (N/m)": ({ L }) => digits(L, 4),
   "contact area A (nm)": ({ A }) => digits(A, 4), slip: ({ slip }) => (slip ? "slip" : ""),
 }
+const LOST = "The server does not answer: it is needed for Python, NPZ and JSON."
 let connected = false
 
 // HTML that shows a link in a page of somebody else's
@@ -104,6 +105,7 @@ function connect() {
   connected = true
   take("file", showFile)
   take("shared", showSheet)
+  whenever(["lost"], () => { if (me.lost) say(LOST) })
   const view = by("share-view")
   on("copy-link", "click", () => copy(by("share-link"), "link"))
   on("copy-frame", "click", () => copy(by("share-frame"), "HTML"))
@@ -131,7 +133,7 @@ export function open() {
   const sentences = []
   if (address.profile)
     sentences.push("The link shows the measured profile only while this server keeps it; the JSON has it.")
-  if (me.lost) sentences.push("The server does not answer: it is needed for Python, NPZ and JSON.")
+  if (me.lost) sentences.push(LOST)
   for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
   by("share-python").value = "" // of the run before, until the server answers
   by("enlarge-qr").hidden = true

@@ -22,7 +22,7 @@ const fields = {
   instead: null, // {run, k, paused}: drawn in place of the increment
   pointed: null, // {name, x, y}: the chart that the mouse points at, and px in it
   playing: !reduced, following: true, speed: 0, clock: 0, // clock: s of playing
-  status: {}, waiting: [], // the last message of the server; {n, what, values, at} of orders without an answer
+  status: {}, waiting: [], // the last message of the server; {n, what, values} of scenes without an answer
   // no server; the sliders say another scene; the place of the path to go to once it is there
   lost: false, stale: false, place: null,
   entered: null, dragging: false, // {parameter: text} not yet sent; whether a slider is held

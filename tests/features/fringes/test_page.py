@@ -1,7 +1,8 @@
 """The stress in the punch in Chromium: fringes, and components with their sign."""
 
 import pytest
-from served import enter, laid_out, values_are
+from served import enter, finished, laid_out, patient, values_are
+from tabs import imported
 
 pytestmark = pytest.mark.thorough
 
@@ -60,6 +61,38 @@ LOWEST = """(part) => {
 
 
 CHOOSE = "(of, value) => { of.value = value; of.dispatchEvent(new Event('change')) }"
+
+
+WATCHED = """() => {
+    // with every picture from the opening on: [scales of stress in sight, whether stress is drawn]
+    window.watched = []
+    const look = () => {
+        const scales = [...document.querySelectorAll(".of-fringe, .of-stress")].filter((of) => of.checkVisibility())
+        if (window.charts) watched.push([scales.length, Boolean(charts.punch.parts.fringes?.picture)])
+        requestAnimationFrame(look)
+    }
+    look()
+}"""
+
+
+def test_a_scale_of_stress_is_in_sight_only_where_stress_is_drawn(server, browser):
+    """A page opens with a stored run, before the table of its layer is there."""
+    page = patient(browser.new_page())
+    page.add_init_script(f"addEventListener('DOMContentLoaded', {WATCHED})")
+    page.goto(f"{server.address}?more=0")
+    finished(page)
+    page.wait_for_function("watched.at(-1).join() === '1,true'")
+    for name, value in (("delta_bar", -1), ("surface", "flat"), ("surface", "circular"), ("delta_bar", 0.2)):
+        imported(page, "steer").evaluate(f"modules.steer.enter({{ {name}: '{value}' }})")
+        values_are(page, **{name: value})
+    page.wait_for_function("watched.at(-1).join() === '1,true'")
+    page.locator("#stress").evaluate(CHOOSE, "xx")
+    page.wait_for_function(
+        "document.querySelector('.page').dataset.stress === 'xx' && watched.at(-1).join() === '1,true'"
+    )
+    seen = page.evaluate("watched")
+    page.close()
+    assert {tuple(each) for each in seen} == {(0, False), (1, True)}
 
 
 def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
