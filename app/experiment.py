@@ -28,7 +28,6 @@ from app.session.measured import MeasuredCurve
 from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
-from app.session.share import Share
 from app.stage import Stage
 from solver import Scene, SceneError
 
@@ -60,9 +59,9 @@ class Experiment(param.Parameterized):
         self.status = {}  # as sent last
         self.features = {name: made(self) for name, made in interface.classes().items()}
         self.pursuit = Pursuit(self)
-        self.sharing, self.curve, self.attendance = Share(self), MeasuredCurve(self), Attendance(self)
+        self.curve, self.attendance = MeasuredCurve(self), Attendance(self)
         self.reading = Requests(self)  # reads an uploaded profile
-        parts = self, self.pursuit, self.sharing, self.curve, self.attendance
+        parts = self, self.pursuit, self.curve, self.attendance
         self.orders = orders_of(*parts, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
         visitors.add(self)
@@ -76,8 +75,7 @@ class Experiment(param.Parameterized):
             self.pursuit.close()
             self.attendance.leave()
             self.curve.forget()
-            for part in (self.reading, self.sharing, self.sharing.code):
-                part.cancel()
+            self.reading.cancel()
             self.tell("close")
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.jobs.pool.in_flight)

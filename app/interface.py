@@ -63,6 +63,11 @@ class Feature(Requests):
         return {}
 
     @classmethod
+    def templates(cls) -> dict[str, Any]:
+        """Return what templates know besides."""
+        return {}
+
+    @classmethod
     def load(cls) -> None:
         """Load code and compute results that later visitors need, once per server, in a thread."""
 
@@ -142,7 +147,7 @@ def filled(template: str, alone: bool = False) -> str:
     """Return a template with <!-- SLOT --> replaced by what features add there."""
 
     def slot(match):
-        return "".join(path.read_text(encoding="utf-8") for path in files(f"{match[1]}.html", alone))
+        return "".join(filled(path.read_text(encoding="utf-8"), alone) for path in files(f"{match[1]}.html", alone))
 
     return re.sub(r"<!-- (\w+) -->\n?", slot, template)
 
@@ -160,3 +165,8 @@ def declared(root: str) -> dict[str, Any]:
 def names(of: str) -> set[str]:
     """Return the names in an address that features read on the server (READS) or in the page (KEEPS)."""
     return {name for made in classes().values() for name in getattr(made, of)}
+
+
+def templates() -> dict[str, Any]:
+    """Return what only templates know of all features."""
+    return {name: value for made in classes().values() for name, value in made.templates().items()}

@@ -20,9 +20,8 @@ from panel.io.state import set_curdoc
 
 from app import assets, interface, lab, schema
 from app.server_log import reach
-from app.session.controls import ALSO, CONTROLS, applies, drawer, meaning, scene_from_address, values_of, words
+from app.session.controls import CONTROLS, FOR_BROWSER, FOR_SERVER, scene_from_address, values_of
 from solver.presets import presets
-from solver.scene import CHOICES, LIMITS
 
 HERE = Path(__file__).parent
 TITLE = "Why does it stick, peel and slip?"
@@ -91,13 +90,6 @@ def values(root: str) -> dict[str, Any]:
         "styles": assets.styles(),
         "scripts": sorted(assets.needed(assets.MAIN, *assets.scripts())),
         "controls": CONTROLS,
-        "drawer": drawer(),
-        "meaning": meaning,
-        "also": ALSO,
-        "words": words,
-        "applies": applies,
-        "unit": lambda name: LIMITS[name].unit if name in LIMITS else "",
-        "choices": CHOICES,
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
         "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
@@ -106,6 +98,7 @@ def values(root: str) -> dict[str, Any]:
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
         **interface.declared(root),
+        **interface.templates(),
     }
 
 
@@ -130,6 +123,8 @@ def declarations(root: str) -> dict[str, Any]:
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},
+        "scene": sorted(FOR_SERVER),
+        "viewed": sorted(FOR_BROWSER),  # names in an address
         **interface.declared(root),
         "features": [f"{root}/{name}" for name in assets.scripts()],
     }

@@ -2,13 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-import segno
 
 from app.service import worker
 from app.service.caller import Lost
@@ -20,12 +16,10 @@ from solver.analysis.friction_laws import Onset, onset
 from solver.analysis.measurement import Measurement
 from solver.analysis.recording import KINDS
 from solver.continuation.state import Outcome
-from solver.files import report_of, write_json, write_npz
 from solver.following.from_run import skeleton_of
 from solver.following.moved import NotFollowed
 from solver.profile import LONG, SteepError, read_trace
 
-LONGEST_FILE = 60.0  # s of work on a file
 READING, MEMORY = 10.0, 2**30  # s and bytes for a file of a visitor
 SLICE = 0.12  # s of work before a call returns a Part, so that other calls get a turn
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
@@ -155,28 +149,3 @@ def made_up_curve(scene: Scene, seed: int) -> Measurement:
     F_bar, L_bar, _ = skeleton_of(scene).curve(U_x)
     noise = NOISE * np.abs(F_bar).max() * np.random.default_rng(seed).normal(size=(2, POINTS))
     return Measurement.of(U_x, {"F_bar": F_bar + noise[0], "L_bar": L_bar + noise[1]}, unit=unit)
-
-
-def file_of_run(scene: Scene, kind: str) -> bytes | None:
-    """Return the file that `python -m solver run` writes, bytes, or None if the run takes longer than LONGEST_FILE.
-
-    kind: npz or json. The file ends where the run did not converge.
-    """
-    frames, checkpoint, begun = [], None, perf_counter()
-    while checkpoint is None or not checkpoint.done:
-        if perf_counter() > begun + LONGEST_FILE:
-            return None
-        more, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
-        frames += more
-    with TemporaryDirectory() as folder:
-        file = Path(folder, "run")
-        if kind == "npz":
-            write_npz(file, scene, frames)
-        else:
-            write_json(file, report_of(scene, frames, "fast", perf_counter() - begun, checkpoint.failure))
-        return file.read_bytes()
-
-
-def qr_code(link: str) -> str:
-    """Return the QR code of a link as the data URI of an SVG."""
-    return segno.make(link, error="l").svg_data_uri(scale=4, border=2)

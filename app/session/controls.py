@@ -11,11 +11,10 @@ import numpy as np
 from cachetools import LRUCache
 
 from app.limits import DEFAULT, FLAT, INCREMENTS, MOST, NUMBERS, increments_of
-from solver import CHOICES, LIMITS, DataError, Profile, Scene, SceneError
+from solver import LIMITS, DataError, Profile, Scene, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
 from solver.schema import RETIRED
-from solver.surfaces import SURFACES
 from solver.text import number_from_text
 
 
@@ -76,53 +75,12 @@ WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_
 FOR_SERVER: set[str] = {"preset", "profile", "lab", "curve", *PARAMETERS}  # in an address, for the server
 # In an address, for the browser; `pin` and `force` are of older links and have no effect
 FOR_BROWSER: set[str] = {
-    *("v", "k", "theme", "embed", "tour", "view", "more", "pin", "force"),
+    *("v", "theme", "embed", "tour", "view", "more", "pin", "force"),
     *("class", "ask", "change"),
 }
 STAYS = " The run on screen stays."
 _profiles = LRUCache(32)  # uploaded ones of this server by the name in an address, the latest used
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def drawer() -> dict[str, list[str]]:
-    """Return {group: names} of the parameters without a slider, in the order of Scene."""
-    groups = {}
-    for name, parameter in PARAMETERS.items():
-        if name not in NAMES:
-            groups.setdefault(parameter.group, []).append(name)
-    return groups
-
-
-ALSO = {  # {parameter: further words by which a visitor looks for it}
-    "hold": "force load",
-    "drive_t": "force spring",
-    "drive_n": "force spring",
-    "phi_n": "surface energy force",
-}
-
-
-def words(name: str) -> str:
-    """Return the label of a parameter in the drawer: its meaning up to the first comma or semicolon."""
-    return re.split("[,;]", PARAMETERS[name].meaning)[0]
-
-
-def meaning(name: str) -> str:
-    """Return the hint beside a parameter in the drawer: the rest of its meaning, and its range."""
-    if name in CHOICES:
-        return ""
-    parameter = RANGES.get(name, PARAMETERS[name])
-    rest = parameter.meaning.removeprefix(words(name)).lstrip(",; ")
-    return f"{rest}; {parameter.span}" if rest else parameter.span
-
-
-def applies(name: str) -> dict[str, list[str]]:
-    """Return {"surface" or "path": choices for which a parameter has an effect}; empty: for all."""
-    kinds = [kind for kind, surface in SURFACES.items() if name in surface.parameters]
-    if kinds:
-        return {"surface": kinds}
-    if name == "points":
-        return {"path": ["points"]}
-    return {"path": ["shear", "loop"]} if name in ("hold", "u_x_max", "du_x", "drive_t") else {}
 
 
 def read(name: str, text: str, notes: list[str] | None = None, scene: Scene | None = None) -> Any:

@@ -9,7 +9,6 @@ from app.session.controls import FOR_SERVER, PARAMETERS
 
 SMALL = 8000  # characters of an entry; more than any number needs
 LARGEST = 2_000_000  # bytes of a file; the browser checks this too
-FORMATS = "npz", "json"
 HALF = re.compile("[\ud800-\udfff]")  # half of a character: no encoding can write it, so nothing can send or save it
 
 

@@ -1,8 +1,5 @@
 """Exports, loops and uploaded profiles in the app, without a browser."""
 
-import io
-import json
-
 import blocks
 import numpy as np
 import pytest
@@ -11,7 +8,6 @@ from visitor import Page, messages, order, send_file, slices
 from app.service import tasks
 from app.session import pursuit
 from app.session.controls import values_of
-from app.session.share import python_lines
 from solver import Scene, load_path
 from solver.analysis.work import work_of
 from solver.presets import presets
@@ -28,19 +24,6 @@ def page(pool, monkeypatch):
     visit.until("finished")
     yield visit
     visit.session.close()
-
-
-def test_exported_files_and_python_lines_repeat_the_run_on_screen(page):
-    made = {}
-    exec(python_lines(page.session.pursuit.scene), made)
-    shown = np.concatenate([head["force"] * curves["F_bar"] for _, head, curves, _ in page.chunks])
-    assert len(page.chunks) > 1
-    assert [frame.F for frame in made["frames"]] == pytest.approx(shown, rel=1e-5, abs=1e-6)
-    with np.load(io.BytesIO(tasks.file_of_run(SHORT, "npz"))) as data:
-        F = [frame.F for frame in made["frames"] if frame.stage != "approach"]
-        assert data["F"] == pytest.approx(F, rel=1e-9, abs=1e-5)
-    report = json.loads(tasks.file_of_run(SHORT, "json"))
-    assert report["converged"] and report["scene"]["E"] == SHORT.E
 
 
 def test_work_of_a_loop_does_not_depend_on_slicing(page):
@@ -87,6 +70,8 @@ def test_sliders_moved_while_a_profile_is_read_are_kept_and_a_preset_replaces_it
 
 
 LONG = "\n".join(["x (nm), z (nm)"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 500):.6f}" for x in range(0, 40_001, 10)])
+
+
 ASKED = {  # {what: (the file, what is then chosen)}
     "no unit": (WAVY.replace(" (nm)", ""), {"unit": "nm"}),
     "a long trace": (LONG, {"begin": 1e4, "end": 1.2e4}),

@@ -88,7 +88,7 @@ def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_sta
     page.wait_for_function("!punch.fresh && punch.mapped")
     drawn, followed = page.evaluate(DRAWN)
     assert drawn == followed
-    imported(page, "share")
+    imported(page, "features/share/share")
     heading, row = page.evaluate("modules.share.csv(punch.run)").splitlines()[1:3]
     saved = dict(zip(heading.split(","), row.split(","), strict=True))
     assert saved["residual (nm)"] == saved["evaluations"] == "" and saved["F (N/m)"]  # of a prediction none is known

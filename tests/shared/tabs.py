@@ -56,17 +56,18 @@ class Tabs:
 
 MODULES = """(names) => {
     window.modules ??= {}
+    const key = (name) => name.replace(/[/]index$/, "").split("/").at(-1)
+    const style = document.querySelector('link[href$="static/style.css"]').href
     for (const name of names) {
-        const style = document.querySelector('link[href$="static/style.css"]').href
         const script = import(new URL(name.includes("/") ? `../${name}.js` : `./js/${name}.js`, style))
-        script.then((module) => { modules[name.split("/").at(-1)] = module })
+        script.then((module) => { modules[key(name)] = module })
     }
-    return names.every((name) => name.split("/").at(-1) in modules)
+    return names.every((name) => key(name) in modules)
 }"""
 # As a page that was just opened with `search`, at rest after its run: what a test may have changed by the controls of
 # the page is changed back, then the scene is restored as that of a link.
 AS_OPENED = """([search, wanted]) => {
-    const { address, index: pages, player: { play } } = window.modules
+    const { history: address, pages, player: { play } } = window.modules
     const all = (what) => [...document.querySelectorAll(what)], by = (id) => document.getElementById(id)
     const { dataset } = document.documentElement
     const change = (input, value) => {
@@ -108,7 +109,7 @@ AS_FRESH = """() => {
 
 
 def imported(page, *names):
-    """The page, with scripts of static/js, or of a feature by their paths, as `modules.NAME`.
+    """The page, with scripts of static/js, or of a feature by its path, as `modules.NAME`; an index by its folder.
 
     A busy browser may drop a pending import() of evaluated code ("promise was garbage collected"): it is repeated
     until the script is there.
@@ -141,7 +142,7 @@ class SharedTab:
             if self.page is None:
                 self.page = self.tabs.open()
                 finished(self.page)
-                imported(self.page, "address", "features/pages/index", "player")
+                imported(self.page, "features/history/index", "features/pages/index", "player")
             return self._brought_to(query)
         except Exception:
             self.close()  # whatever state it is in

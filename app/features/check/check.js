@@ -1,9 +1,9 @@
 // ?check: whether this device and the way to the server do what the page needs, in words that can be photographed. That
 // its scripts run is the first line: page and server write that they do not.
 
-import { opensElsewhere, originForOthers } from "../../static/js/address.js"
 import { charts } from "../../static/js/charts.js"
 import { by, make, tell } from "../../static/js/dom.js"
+import { opensElsewhere, originForOthers } from "../../static/js/reach.js"
 import { enter } from "../../static/js/steer.js"
 import { declared, me } from "../../static/js/store.js"
 

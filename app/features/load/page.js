@@ -1,10 +1,9 @@
 // The page "Friction over load": the points of slips.js, coloured by the one parameter that changed before each.
 
 import { addChart, charts, line, marksOf } from "../../static/js/charts.js"
-import { by, on } from "../../static/js/dom.js"
+import { by, download, on } from "../../static/js/dom.js"
 import { extent } from "../../static/js/curves.js"
 import { digits, named, withUnit } from "../../static/js/quantities.js"
-import { download } from "../../static/js/share.js"
 import { addSwept, clear, points } from "./slips.js"
 import { declared, me, memory, redrawPunch } from "../../static/js/store.js"
 import { ask } from "../pages/index.js"

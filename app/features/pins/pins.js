@@ -112,10 +112,10 @@ function drawPinnedSurfaces() {
 let connected = false
 function connect() {
   connected = true
-  addPart("punch", "pins", lines([]), "story")
-  addPart("forces", "pins", lines([]), "ghost_F")
-  addPart("area", "pins", lines([]), "ghost_A")
-  if (charts.map) addPart("map", "pins", lines([]), "slips")
+  addPart("punch", "pins", { kind: "lines", list: [] }, "story")
+  addPart("forces", "pins", { kind: "lines", list: [] }, "ghost_F")
+  addPart("area", "pins", { kind: "lines", list: [] }, "ghost_A")
+  if (charts.map) addPart("map", "pins", { kind: "lines", list: [] }, "slips")
   view(["pins", "look"], tell)
   view(["pins"], () => { me.beside = me.pins.filter(({ shown }) => shown).map(({ run }) => run) })
   frame(["pins", "charted", "approach", "look"], drawPins)

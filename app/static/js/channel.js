@@ -8,6 +8,7 @@ const LATE = 20_000 // ms
 const LARGEST = 2e6 // bytes of a file, as the server
 let stage = null // the Stage, once it is there
 const early = [] // orders given before
+export const isThere = () => Boolean(stage)
 let orders = 0
 let asked = [] // {n, at} of orders without an answer, the oldest first
 

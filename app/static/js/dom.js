@@ -60,6 +60,14 @@ export function makeShape(tag, attributes, ...parts) {
   return made
 }
 
+// Save a Blob as a file with this ending; returns its name
+export function download(blob, ending) {
+  const name = `mixed-mode-contact${ending}`, link = make("a", { href: URL.createObjectURL(blob), download: name })
+  link.click()
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000)
+  return name
+}
+
 // What the browser keeps, in the tab or for good. It may forbid that, as for pages in frames of other sites: then
 // nothing is kept, and each visit begins as the first one
 function attempt(call) {

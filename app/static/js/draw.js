@@ -7,7 +7,7 @@ import { by } from "./dom.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
 import { cost, frame, me, memory, set, touch, view } from "./store.js"
-import { drawStory } from "./story.js"
+import { connectStory, drawStory } from "./story.js"
 import { tellFrame, tellSummary } from "./words.js"
 
 const QUIET = 150 // ms between two drawings of a growing run: it needs the processor itself
@@ -22,6 +22,7 @@ export function connect() {
   frame(["picture"], drawPunch)
   view(["picture", "said", "playing", "dragging"], tellSummary)
   charts.punch.fill("story", { draw: drawStory })
+  connectStory()
   charts.punch.under = drawBands
 }
 

@@ -1,13 +1,11 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { namesScene, viewed } from "./address.js"
 import { tooLarge } from "./channel.js"
 import { theme } from "./colours.js"
 import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
-import { connectDrawer } from "./sliders.js"
 import { enter, letGo, restore, steer } from "./steer.js"
-import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
+import { alone, CARRIED, declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -27,7 +25,7 @@ function connectSlider(name, values) {
 function connectHand() {
   const view = by("punch-view"), slider = by("delta_bar"), values = declared.positions.delta_bar
   onDrag(view, (event) => { // where the drag begins, and what it changes, once that is clear
-    if (event.button || event.target.closest("#lens") || !(me.run?.sheared >= 0)) return null
+    if (event.button || event.target.closest("[data-own]") || !(me.run?.sheared >= 0)) return null
     const along = me.run.along[Math.max(0, me.drawn)]
     const pushes = !alone && (event.pointerType !== "touch" || event.target.id === "grab")
     return { x: event.clientX, y: event.clientY, way: null, along, delta: values[slider.value], pushes }
@@ -74,11 +72,8 @@ export const KEYS = {
 }
 
 function onKey(event) {
-  const open = document.querySelector("dialog[open]:not(#drawer)"), at = (what) => event.target.matches?.(what)
-  if (event.key === "Escape" && !open) {
-    if (by("drawer").open) by("drawer").close()
-    if (event.target.closest?.("#panel")) by("menu").focus()
-  }
+  const open = document.querySelector("dialog:modal"), at = (what) => event.target.matches?.(what)
+  if (event.key === "Escape" && !open && event.target.closest?.("#panel")) by("menu").focus()
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
@@ -121,27 +116,30 @@ const hideHint = () => { by("grab").hidden = true }
 
 // A research page opens with the scene on screen; back from there this page is as it was, in its class
 function bringScene({ currentTarget: link }) {
-  link.search = new URLSearchParams({ ...viewed(), lab: link.dataset.lab, theme: theme(), ...me.status.address })
+  const viewed = [...new URLSearchParams(location.search)].filter(([name]) => declared.viewed.includes(name))
+  const { lab } = link.dataset
+  link.search = new URLSearchParams({ ...Object.fromEntries(viewed), lab, theme: theme(), ...me.status.address })
 }
 
 export function connect() {
-  by("grab").hidden = namesScene()
+  CARRIED.curve = {
+    give: () => me.laid?.name,
+    take: async (name) => (await fetched(() => import("./later/overlay.js")))?.askAgain(name), // the server has forgotten it
+  }
   document.addEventListener("input", hideHint, { once: true })
   for (const name in declared.positions) connectSlider(name, declared.positions[name])
   document.querySelector(".controls").addEventListener("keydown", ({ key }) => {
     if (key === "Escape" || (key === "Enter" && document.activeElement.matches("input[type=text]")))
       document.activeElement.blur()
   })
-  for (const entry of document.querySelectorAll("[id$=-entry]")) {
-    entry.addEventListener("change", () => {
-      entry.dataset.given = entry.value
-      enter({ [entry.id.replace("-entry", "")]: entry.value })
-    })
-  }
+  document.addEventListener("change", ({ target: entry }) => {
+    if (!entry.id.endsWith("-entry")) return
+    entry.dataset.given = entry.value
+    enter({ [entry.id.replace("-entry", "")]: entry.value })
+  })
   on("row", "change", ({ target }) => choosePreset(target.value))
   on("profile", "click", ({ target }) => { target.value = "" }) // so that the same file can be chosen again
   on("profile", "change", ({ target }) => { if (target.files[0]) readProfile(target.files[0]) })
-  connectDrawer()
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
     if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
@@ -159,7 +157,6 @@ export function connect() {
   on("reset", "click", reset)
   on("data", "click", async () => (await fetched(() => import("./later/overlay.js")))?.choose())
   connectDrop()
-  on("take", "click", async () => (await fetched(() => import("./share.js")))?.open())
   on("help", "click", KEYS["?"])
   on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
   on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())

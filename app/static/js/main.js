@@ -1,15 +1,12 @@
 // The browser's half of the app. The page imports this file alone and calls `start`.
 
-import * as address from "./address.js"
 import * as channel from "./channel.js"
 import { change, charts, makeCharts } from "./charts.js"
-import * as connection from "./connection.js"
 import { connectCurves } from "./curves.js"
 import { by } from "./dom.js"
 import * as draw from "./draw.js"
 import { connectChart } from "./hover.js"
 import * as inputs from "./inputs.js"
-import { connectLens } from "./lens.js"
 import { opened } from "./opening.js"
 import { unpackLater } from "./packed.js"
 import * as player from "./player.js"
@@ -28,9 +25,7 @@ export function start() {
   makeCharts(declared.nodes)
   connectCurves()
   for (const name in charts) connectChart(name)
-  address.connect()
   inputs.connect()
-  connectLens()
   view(["look"], change)
   view(["pointed"], () => {
     for (const name in charts) charts[name].point(me.pointed?.name === name ? me.pointed : null)
@@ -43,16 +38,9 @@ export function start() {
   channel.take("status", status.heard)
   player.connectStored()
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
-  connection.restore()
   me.speed = Number(by("speed").value)
   document.addEventListener("stage", ({ detail }) => connect(detail))
   if (alone) opened()
-  let kept = false // Share opens without the server, too, so that it comes while that is there
-  view(["status"], () => {
-    if (kept || me.status.state !== "finished") return
-    kept = true
-    import("./share.js")
-  })
   plugIn(declared.features)
   const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
   if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
@@ -78,6 +66,5 @@ function connect(model) {
   channel.connect(model)
   if (there) return
   there = true
-  connection.connect()
   opened()
 }

@@ -1,8 +1,8 @@
-// The controls as they show the parameters: sliders, entries and their errors, and the drawer.
+// The controls as they show the parameters: sliders, entries and their errors.
 
-import { by, closest, on, say } from "./dom.js"
+import { by, closest, say } from "./dom.js"
 import { digits, minus } from "./quantities.js"
-import { declared, me, view } from "./store.js"
+import { declared, me } from "./store.js"
 
 // A slider at the position nearest to a value
 export function place(name, value) {
@@ -22,9 +22,8 @@ export function tellDepth(value, refused) {
 
 // Every control as the server sent it; before: the values sent before
 export function describeAll({ values, errors }, before) {
-  for (const name in values) describe(name, values[name], errors[name], before?.[name])
+  for (const name in values) if (by(`${name}-entry`)) describe(name, values[name], errors[name], before?.[name])
   for (const id of ["delta_bar", "delta_bar-entry"]) by(id).disabled = values.path === "points" // they set the depth
-  say("profile-error", errors.profile)
 }
 
 function describe(name, value, error, before) {
@@ -38,42 +37,4 @@ function describe(name, value, error, before) {
   if (fresh) entry.closest(".row")?.scrollIntoView({ block: "nearest" })
   if (!me.dragging && declared.positions[name]) place(name, value)
   if (name === "delta_bar") tellDepth(value, error)
-}
-
-// The drawer of all parameters: shows those that apply to the surface and the path on screen, finds, and restores
-export function connectDrawer() {
-  view(["status"], fillDrawer)
-  on("parameters", "click", openDrawer)
-  on("find", "input", fillDrawer)
-  on("drawer", "close", () => by("menu").focus())
-  for (const button of document.querySelectorAll(".restore")) {
-    button.addEventListener("click", () => {
-      const entry = by(`${button.dataset.name}-entry`)
-      entry.value = declared.usual[me.status.preset][button.dataset.name]
-      entry.dispatchEvent(new Event("change"))
-      entry.focus()
-    })
-  }
-}
-
-function openDrawer() {
-  if (by("drawer").open) return by("drawer").close()
-  by("drawer").show()
-  if (matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView() // where it is in sight
-  fillDrawer()
-}
-
-function fillDrawer() {
-  const { values, preset } = me.status, sought = by("find").value.trim().toLowerCase()
-  if (!values || !by("drawer").open) return
-  const applies = ({ dataset }) =>
-    ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
-  for (const row of document.querySelectorAll("#drawer .row")) {
-    row.hidden = sought ? !`${row.textContent} ${row.dataset.also}`.toLowerCase().includes(sought) : !applies(row)
-  }
-  for (const group of document.querySelectorAll("#drawer > fieldset"))
-    group.hidden = !group.querySelector(".row:not([hidden])")
-  for (const button of document.querySelectorAll(".restore")) {
-    button.hidden = `${values[button.dataset.name]}` === `${declared.usual[preset][button.dataset.name]}`
-  }
 }

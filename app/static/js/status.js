@@ -1,7 +1,6 @@
-// What the server says of the run and of what was entered, in words and in the address; and whose picture this is:
+// What the server says of the run and of what was entered, in words; and whose picture this is:
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
-import { goToAsked, writeAddress } from "./address.js"
 import { heard as acknowledged, order, outdated } from "./channel.js"
 import { by, on, say, tell } from "./dom.js"
 import { differing, fixed, minus, named } from "./quantities.js"
@@ -23,7 +22,6 @@ export function connect() {
 export function heard(news) {
   const old = me.status
   me.status = { ...old, ...news }
-  by("take").disabled = false // it needs the scene
   acknowledged(me.status.acknowledged)
   sendNext()
   if (me.waiting.length) return // it was sent before the server heard of another scene
@@ -33,7 +31,6 @@ export function heard(news) {
     if (me.following && me.playing) me.at = me.run.beginning
     me.following = false
   }
-  goToAsked()
 }
 
 let described = null // the status that the controls show
@@ -47,7 +44,6 @@ function tellScene() {
     namePreset()
     tell(by("look"), presetText())
   }
-  if (status.frames > 0 && !me.dragging) writeAddress()
 }
 
 function tellNotes() {

@@ -11,6 +11,9 @@ const { dataset } = document.documentElement
 export const sees = (part) => "more" in dataset || Boolean(dataset.shows?.split(" ").includes(part))
 export const declared = {} // what Python declares, as main.js receives it
 
+// {name: {give(), take(what was given)}}: what features carry over when the page is loaded again as it was
+export const CARRIED = {}
+
 const fields = {
   // the run on screen, the pale one behind it, the computed run that was on screen when the change began
   run: null, ghost: null, start: null,

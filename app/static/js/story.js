@@ -1,12 +1,12 @@
 // The story over the punch: who pulls, what holds, what lets go. Drawn with every frame.
 
 import { charts } from "./charts.js"
-import { by } from "./dom.js"
+import { by, on, tell } from "./dom.js"
 import { AFTER } from "./events.js"
-import { drawLattice, drawLens } from "./lens.js"
+import { drawLattice } from "./lattice.js"
 import { arrow, inks, line, size, write } from "./pen.js"
-import { BAR, drawnFrame } from "./punch.js"
-import { fixed, withUnit } from "./quantities.js"
+import { BAR, drawnFrame, sideways } from "./punch.js"
+import { digits, fixed, withUnit } from "./quantities.js"
 import { me, sees } from "./store.js"
 
 const REST = 46 // px, a drive that is not stretched
@@ -31,9 +31,23 @@ export function drawStory(pen, box) {
   }
   drawTop(view)
   drawForces(view)
-  if (run.head.flat) by("lens").hidden = true
-  else drawLens(view)
+  for (const draw of OVER) draw(view)
 }
+
+export const OVER = [] // what features draw over all of it: draw(view)
+
+export const times = (factor) => `${digits(factor, 2)} times`
+
+// By how much the picture enlarges what it shows, in words
+function tellScales() {
+  const { box } = charts.punch, { run } = me
+  if (!box || !run) return
+  const moved = sideways(run), aside = moved > 1 ? ` and displacements sideways ${times(moved)}` : ""
+  tell(by("scales"), run.head.flat ? "The picture is to scale."
+    : `The picture shows heights ${times(box.up / box.across)}${aside} as large as lengths along the surface.`)
+}
+
+export const connectStory = () => on("solver", "beforetoggle", tellScales)
 
 // Lines of the material, upright before loading: from a surface node to where it hangs on the top
 function drawMesh({ pen, box, X, Y, frame, run, k, ink }) {

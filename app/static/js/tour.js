@@ -1,11 +1,12 @@
 // The tour beside the hero: stops, each with a prediction before the run draws itself. Loaded when it is asked for.
 
-import { sceneChanges } from "./address.js"
+import { sceneChanges } from "../../features/history/index.js"
 import { order } from "./channel.js"
 import { charts, CURVES } from "./charts.js"
 import { by, make, makeButton, readdress, tell } from "./dom.js"
 import { firstSlip } from "./events.js"
-import { drawSprings } from "./lens.js"
+import { drawAtoms } from "./lattice.js"
+import { cleared, inks } from "./pen.js"
 import { openPage } from "../../features/pages/index.js"
 import { goto, play } from "./player.js"
 import { differing, fixed, minus } from "./quantities.js"
@@ -309,4 +310,16 @@ function takeTurn() {
   phase = "turn"
   write()
   by(here().turn).focus()
+}
+
+const SPRUNG = 9 // nodes seen with their springs in a reason of the tour
+// The picture that argues the reason at some stops of the tour: the trailing edge of frame k of a run
+function drawSprings(canvas, run, k) {
+  const pen = cleared(canvas), { clientWidth: width, clientHeight: height } = canvas
+  if (!pen || run.head.flat) return
+  const shape = run.frame(k), edges = run.edges(k), { first, spacing } = run.headOf(k)
+  const i = edges ? Math.floor(edges[0] - first) : shape.gap.findIndex((gap) => gap === Math.min(...shape.gap))
+  const middle = shape.x[Math.max(0, i)] + 2 * spacing, scale = width / (SPRUNG * spacing), low = 0.72 * height
+  drawAtoms({ pen, frame: shape, run, k, ink: inks() }, (x) => 0.5 * width + (x - middle) * scale, (y) => low - y * scale * 0.8,
+    scale, middle - (SPRUNG * spacing) / 2, middle + (SPRUNG * spacing) / 2)
 }

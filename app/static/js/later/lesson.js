@@ -1,7 +1,7 @@
 // A class that answers: its code and its numbers on the teacher's screen, the teacher's stop on those of the students.
 // Loaded where the address names a class. The questions are those of the tour, or the teacher's own.
 
-import { originForOthers, opensElsewhere } from "../address.js"
+import { originForOthers, opensElsewhere } from "../reach.js"
 import { order, take } from "../channel.js"
 import { by, keep, keepForTab, kept, make, readdress, takeFromTab } from "../dom.js"
 import { me } from "../store.js"

@@ -2,10 +2,10 @@
 // answers the page is loaded again as it was: parameters and what was asked for since in its address, the increment
 // shown beside it.
 
-import { silence } from "./channel.js"
-import { by, keepForTab, readdress, takeFromTab } from "./dom.js"
-import { warn } from "./opening.js"
-import { declared, me, now } from "./store.js"
+import { isThere, silence } from "../../static/js/channel.js"
+import { by, keepForTab, readdress, takeFromTab } from "../../static/js/dom.js"
+import { warn } from "../../static/js/opening.js"
+import { CARRIED, declared, me, now } from "../../static/js/store.js"
 
 const LOOK = 1000 // ms between two looks at orders without an answer
 const SILENT = 4000 // ms without one, after which the server is asked whether it is there
@@ -16,6 +16,7 @@ const PAUSES = [500, 1000, 2000]
 const AS_IT_WAS = "as it was"
 
 export function connect() {
+  restore()
   document.addEventListener("connection-lost", lost) // Bokeh's, see app/experiment.py
   document.addEventListener("visibilitychange", () => { if (!document.hidden) look() }) // it may have slept
   addEventListener("offline", async () => { if (!(await answers())) lost() }) // a server on this machine stays
@@ -39,7 +40,7 @@ async function answers() {
 }
 
 async function lost() {
-  if (me.lost) return
+  if (me.lost || !isThere()) return
   me.lost = true
   let attempts = 0
   do await pause(PAUSES[attempts++] ?? PAUSES.at(-1))
@@ -65,22 +66,25 @@ function openAnew() {
   }
   if (me.status.values) {
     readdress((address) => {
-      for (const name of ["preset", "profile", "k", ...Object.keys(me.status.values)]) address.delete(name)
+      for (const name of ["k", ...declared.scene]) address.delete(name)
       for (const [name, value] of Object.entries({ ...wanted, ...me.entered })) address.set(name, value)
     })
   }
   const { playing, speed, run } = me, shown = run?.length ? run.place(now()) : null
-  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown, curve: me.laid?.name }))
+  keepForTab(AS_IT_WAS, JSON.stringify({ playing, speed, shown, carried: gives() }))
   location.reload()
 }
 
+// What features take along: {name: what it gives}
+const gives = () => Object.fromEntries(Object.entries(CARRIED).map(([name, { give }]) => [name, give()]))
+
 // What a page opened anew has from the one before; it is used once
-export function restore() {
+function restore() {
   const kept = takeFromTab(AS_IT_WAS)
   if (!kept) return
-  const { playing, speed, shown, curve } = JSON.parse(kept)
+  const { playing, speed, shown, carried } = JSON.parse(kept)
   Object.assign(me, { playing, place: shown })
   if (shown) me.following = false
   by("speed").value = speed
-  if (curve) import("./later/overlay.js").then(({ askAgain }) => askAgain(curve)) // the server has forgotten it
+  for (const name in carried) CARRIED[name]?.take(carried[name])
 }

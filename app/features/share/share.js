@@ -1,15 +1,14 @@
 // The sheet of what can be taken away
 
-import { linkTo, opensElsewhere } from "./address.js"
-import { order, take } from "./channel.js"
-import { charts } from "./charts.js"
-import { colour } from "./colours.js"
-import { by, make, on } from "./dom.js"
-import { digits, fixed } from "./quantities.js"
-import { declared, me, view as whenever } from "./store.js"
-import { parameters } from "./words.js"
+import { order, take } from "../../static/js/channel.js"
+import { charts } from "../../static/js/charts.js"
+import { colour } from "../../static/js/colours.js"
+import { by, download, make, on } from "../../static/js/dom.js"
+import { digits, fixed } from "../../static/js/quantities.js"
+import { opensElsewhere, originForOthers } from "../../static/js/reach.js"
+import { declared, me, sees, view as whenever } from "../../static/js/store.js"
+import { parameters } from "../../static/js/words.js"
 
-const NAME = "mixed-mode-contact"
 // Columns as in `Result.table`: heading, and the value of an increment
 const COLUMNS = {
   stage: (run, k) => run.leg(k),
@@ -49,13 +48,6 @@ export async function png(name) {
   return new Promise((done) => canvas.toBlob(done, "image/png"))
 }
 
-export function download(blob, ending) {
-  const name = `${NAME}${ending}`, link = make("a", { href: URL.createObjectURL(blob), download: name })
-  link.click()
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000)
-  say(`saved ${name}`)
-}
-
 // Of single precision
 const shown = (value) => (typeof value === "number" ? `${Number(value.toPrecision(7))}` : value)
 
@@ -77,6 +69,7 @@ function showTable() {
 }
 
 const say = (text) => { by("share-status").textContent = text }
+const save = (blob, ending) => say(`saved ${download(blob, ending)}`)
 
 // Browsers lend the clipboard to secure pages only, and may never answer: then the old way
 async function copy(field, what) {
@@ -89,7 +82,7 @@ async function copy(field, what) {
 
 function showFile({ why, ending, body }) {
   if (why) say(why)
-  else download(new Blob([body]), `.${ending}`)
+  else save(new Blob([body]), `.${ending}`)
   document.querySelector(`[data-file=${ending}]`).disabled = false
 }
 
@@ -101,6 +94,16 @@ function showSheet({ link, qr, python }) {
   by("share-python").rows = python.split("\n").length
 }
 
+// The address of what is on screen now, for others
+function linkTo() {
+  const { page } = document.querySelector(".page").dataset, url = new URL(location.pathname, originForOthers())
+  for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
+  if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
+  if (page) url.searchParams.set("page", page)
+  if (sees("more")) url.searchParams.set("more", "1")
+  return url.href
+}
+
 function connect() {
   connected = true
   take("file", showFile)
@@ -110,9 +113,9 @@ function connect() {
   on("copy-link", "click", () => copy(by("share-link"), "link"))
   on("copy-frame", "click", () => copy(by("share-frame"), "HTML"))
   on("copy-python", "click", () => copy(by("share-python"), "Python lines"))
-  on("save-png", "click", async () => download(await png(view.value), `-${view.value}.png`))
+  on("save-png", "click", async () => save(await png(view.value), `-${view.value}.png`))
   on("show-table", "click", showTable)
-  on("save-csv", "click", () => download(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
+  on("save-csv", "click", () => save(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
   on("enlarge-qr", "click", () => by("qr").showModal())
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => {

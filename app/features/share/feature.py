@@ -1,28 +1,43 @@
-"""Exports of a run: a link as a QR code, Python lines, and the files that the command line writes."""
+"""Share: a run as a link, a QR code, Python lines, pictures, a table, and the files that the command line writes."""
 
 from functools import partial
 from math import inf
 from typing import Any
 
-from app.service import tasks, worker
+from app import interface
+from app.features.share import tasks
+from app.service import worker
 from app.service.pool import HEAVY
 from app.service.requests import Requests
 from app.session import orders
 from app.session.orders import order
 from solver import Scene
 
+FORMATS = "npz", "json"
 SCANNED = 1200  # characters of a link; with more, a QR code is too fine for a phone at the back of a classroom
 LARGEST = 20e6  # bytes of a file
 LARGE = "it would be larger than 20 MB: use python -m solver run"
 SLOW = "it takes too long here: use python -m solver run"
 
 
-class Share(Requests):
-    """The exports of one visitor. Every method runs under the lock of the document."""
+class Feature(interface.Feature):
+    """The exports of one visitor."""
+
+    ORDER = 70
+    PARAMS = {
+        "share": "asks for the Python lines and the QR code of a link: link",
+        "shared": "what is shared: link, python, qr",
+        "export": "asks for the run as a file: kind (npz or json)",
+        "file": "a run in full precision: ending, body (bytes), why",
+    }
 
     def __init__(self, session: Any) -> None:
         super().__init__(session)
         self.code = Requests(session)
+
+    def close(self) -> None:
+        super().close()
+        self.code.cancel()
 
     @order("share", link=orders.is_link)
     def sheet(self, link: str) -> None:
@@ -32,7 +47,7 @@ class Share(Requests):
         if len(link) <= SCANNED:
             self.code.ask((tasks.qr_code, link), lambda drawn: send(qr=drawn or ""), private=True)
 
-    @order("export", kind=orders.FORMATS.__contains__)
+    @order("export", kind=FORMATS.__contains__)
     def export(self, kind: str) -> None:
         """Let a worker write the file of the run: `kind` is npz or json, one of each at a time."""
         call = tasks.file_of_run, self.session.pursuit.scene, kind

@@ -1,10 +1,11 @@
 // The address of the page: it brings scene, increment and page back, and each settled change is an entry of the
 // browser's history, so that Back goes to the change before. While a page is open Back closes it.
 
-import { entries as adding, lastSearch, readdress } from "./dom.js"
-import { goto } from "./player.js"
-import { restore } from "./steer.js"
-import { beginChange, declared, ended, me, sees, view } from "./store.js"
+import { outdated } from "../../static/js/channel.js"
+import { by, entries as adding, lastSearch, readdress } from "../../static/js/dom.js"
+import { goto } from "../../static/js/player.js"
+import { restore } from "../../static/js/steer.js"
+import { beginChange, declared, ended, me, view } from "../../static/js/store.js"
 
 const REST = 250 // ms for which an increment must be looked at before the address names it
 
@@ -52,7 +53,7 @@ function asked() {
   return /^\d+$/.test(text ?? "") ? Number(text) : null
 }
 
-const sceneNames = () => ["preset", "profile", ...Object.keys(Object.values(declared.usual)[0])]
+const sceneNames = () => declared.scene
 
 // Parameters of an address that make up the scene
 export function sceneOf(search) {
@@ -68,7 +69,12 @@ function difference(a, b) {
 // Whether the address has another scene than the page
 export const sceneChanges = () => difference(sceneOf(location.search), me.status.address) !== ""
 
-export const writeAddress = () => entries.writeScene(me.status.address)
+// Once the controls show what the server sent, as it shows the run
+function writeAddress() {
+  const { status } = me
+  if (!status.values || me.waiting.length || me.entered || outdated(status)) return
+  if (status.frames > 0 && !me.dragging) entries.writeScene(status.address)
+}
 
 // Another entry of the history, for what is no change of the scene; more: of its state
 adding.add = (change, more) => entries.write(change, { own: true, more })
@@ -82,11 +88,9 @@ export function goBackTo(scene, k = null) {
 }
 
 // beside the scene: going back leaves them as they are
-const VIEWED = ["theme", "embed", "tour", "view", "more", "class", "ask", "change", "check"]
-export const viewed = () =>
-  Object.fromEntries([...new URLSearchParams(location.search)].filter(([name]) => VIEWED.includes(name)))
+const viewed = () => declared.viewed.filter((name) => !["k", "page"].includes(name))
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
-export const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !VIEWED.includes(name))
+const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !viewed().includes(name))
 const openedPage = () => document.querySelector(".page").dataset.page
 
 // The browser went back or forward. Where a page is open, Back closes it and changes nothing else
@@ -94,7 +98,7 @@ function popped(event) {
   if (event.state?.entry === undefined) return
   const closes = entries.moved(event.state.entry) && openedPage(), before = lastSearch(), k = asked()
   const restores = !closes && me.status.values && difference(sceneOf(before), sceneOf(location.search)) !== ""
-  const kept = [...VIEWED, ...(restores ? [] : ["k"]), ...(closes ? sceneNames() : [])]
+  const kept = [...viewed(), ...(restores ? [] : ["k"]), ...(closes ? sceneNames() : [])]
   readdress((now) => {
     for (const name of kept) now.delete(name)
     for (const [name, text] of new URLSearchParams(before)) if (kept.includes(name)) now.append(name, text)
@@ -120,31 +124,17 @@ function tellIncrement() {
 }
 
 // Once the run is whole: to the increment that was asked for
-export function goToAsked() {
+function goToAsked() {
   if (!me.run?.length || !ended()) return
   const k = wanted
   wanted = null
   if (k !== null && wantedOf === me.move) goto(k)
 }
 
-// Whether the address of this page is that of the computer for itself; app/server_log.py has the same names
-const opensHereOnly = () => ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname)
-// Whether others can open links of this page: the server may have another name for them
-export const opensElsewhere = () => !opensHereOnly() || declared.reach.origins.length > 0
-
-export const originForOthers = () => (opensHereOnly() && declared.reach.origins[0]) || location.origin
-
-// The address of what is on screen now, for others
-export function linkTo() {
-  const page = openedPage(), url = new URL(location.pathname, originForOthers())
-  for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
-  if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
-  if (page) url.searchParams.set("page", page)
-  if (sees("more")) url.searchParams.set("more", "1")
-  return url.href
-}
-
 export function connect() {
+  if (namesScene()) by("grab").hidden = true
+  view(["status", "dragging", "waiting", "entered"], writeAddress)
+  view(["status"], goToAsked)
   entries.write(() => {}) // so that Back comes to it
   view(["drawn", "run", "playing", "following", "preview", "status"], tellIncrement)
   addEventListener("popstate", popped)
