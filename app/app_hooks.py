@@ -11,7 +11,7 @@ from threading import Thread
 from typing import Any
 
 from bokeh.settings import settings
-from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.ioloop import PeriodicCallback
 
 import app
 
@@ -24,10 +24,7 @@ from app.experiment import example, visitors
 from app.page import shared
 from app.service import metrics, worker
 from app.service.caller import Lost
-from app.service.jobs import jobs
 from app.service.pool import LATER, NOBODY, pool
-from app.service.stored import row
-from app.session import classes
 
 LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
@@ -42,13 +39,13 @@ def on_server_loaded(server_context: Any) -> None:
     shared(example)
     pool.start()
     if os.getpid() != PARENT:
-        classes.several = True
         PeriodicCallback(_end_with_parent, LOOK).start()
     PeriodicCallback(lambda: [session.look() for session in list(visitors)], LOOK).start()
     PeriodicCallback(metrics.loop_lag.record, 1000 * metrics.LoopLag.EVERY).start()
     server_log.log_addresses()
     Thread(target=_load, name="load", daemon=True).start()
-    IOLoop.current().spawn_callback(jobs.precompute, [preset.scene for preset in row().values()])
+    for feature in interface.classes().values():
+        feature.begin(os.getpid() != PARENT)
 
 
 def _end_with_parent():

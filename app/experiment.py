@@ -17,19 +17,16 @@ from bokeh.models import CustomJS, Div
 
 from app import document, interface, page
 from app.document import on_loop
-from app.service import metrics, tasks
+from app.service import metrics
 from app.service.jobs import Jobs
 from app.service.jobs import jobs as shared_jobs
-from app.service.requests import Requests
 from app.service.worker import KERNELS
 from app.session import controls, orders
-from app.session.classes import Attendance
-from app.session.measured import MeasuredCurve
 from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
 from app.stage import Stage
-from solver import Scene, SceneError
+from solver import Scene
 
 pn.config.browser_info = False  # else every document has a component more, which tells of the browser
 log = logging.getLogger("app")
@@ -59,10 +56,7 @@ class Experiment(param.Parameterized):
         self.status = {}  # as sent last
         self.features = {name: made(self) for name, made in interface.classes().items()}
         self.pursuit = Pursuit(self)
-        self.curve, self.attendance = MeasuredCurve(self), Attendance(self)
-        self.reading = Requests(self)  # reads an uploaded profile
-        parts = self, self.pursuit, self.curve, self.attendance
-        self.orders = orders_of(*parts, *self.features.values())
+        self.orders = orders_of(self, self.pursuit, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
         visitors.add(self)
         metrics.count("visits")
@@ -73,9 +67,6 @@ class Experiment(param.Parameterized):
         if not self.closed:
             self.closed = True
             self.pursuit.close()
-            self.attendance.leave()
-            self.curve.forget()
-            self.reading.cancel()
             self.tell("close")
             visitors.discard(self)
             log.info("visitor left, now %d, slices in flight %d", len(visitors), self.jobs.pool.in_flight)
@@ -164,37 +155,6 @@ class Experiment(param.Parameterized):
             self.scene = scene
             self.pursuit.request(Request(scene, held, self.acknowledged))
 
-    @order(
-        "profile",
-        content=orders.is_content,
-        unit=orders.is_text,
-        sure=orders.is_flag,
-        **dict.fromkeys(("begin", "end", "cut_off"), orders.is_number),
-    )
-    def read_file(self, content: bytes, **chosen: Any) -> None:
-        """Read the file of a profile, whose surface is then on screen; or draw it with a question.
-
-        chosen: what a visitor has chosen of it, see `tasks.Chosen`.
-        """
-        call = tasks.measured, content, tasks.Chosen(**chosen)
-        self.reading.ask(call, self._read, private=True, seconds=tasks.READING)
-
-    def _read(self, made):
-        profile, why, trace = made or (None, "it could not be read in time; thin it out", None)
-        self.send("trace", trace=trace, why=why and f"{why}.")
-        if trace is not None:
-            return self.publish()
-        if profile is not None:  # sliders may have moved since
-            try:
-                scene = controls.with_profile(self.scene, profile)
-            except SceneError as error:
-                profile, why = None, error
-        if profile is None:
-            self.errors = {"profile": f"profile: {why}.{controls.STAYS}"}
-            return self.publish()
-        self.scene, self.errors, self.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
-        self.pursuit.request(Request(scene))
-
     @order("restore", values=orders.is_address)
     def restore(self, values: dict[str, Any]) -> None:
         """Show the scene of an address {name: text}; an empty one means the default preset."""
@@ -203,7 +163,7 @@ class Experiment(param.Parameterized):
 
     def show(self, scene: Scene, preset: str, notes: Sequence[str] = ()) -> None:
         """Show another scene, based on `preset`, with notes on how it was read."""
-        self.reading.cancel()
+        self.tell("replaced")
         self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
         self.pursuit.request(Request(scene))
 

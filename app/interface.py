@@ -68,13 +68,40 @@ class Feature(Requests):
         return {}
 
     @classmethod
+    def head(cls, root: str, scene: Scene, preset: str) -> str:
+        """Return what the head of the page has for a visitor with this scene and preset; root: as in `declared`."""
+        return ""
+
+    @classmethod
+    def begin(cls, several: bool) -> None:
+        """Called once per server on its loop, when it has started its workers; several: it is one of --num-procs."""
+
+    @classmethod
     def load(cls) -> None:
         """Load code and compute results that later visitors need, once per server, in a thread."""
+
+    @classmethod
+    def page_of(cls, result: Any, title: str) -> str:
+        """Return a page with a Result that needs no server; "" if this feature makes none. Raises ValueError."""
+        return ""
+
+    @classmethod
+    def scene_of(cls, scene: Scene, entries: dict[str, str], notes: list[str]) -> Scene:
+        """Return a scene with what the entries {name: text} of an address change of it; notes get what fails."""
+        return scene
+
+    @classmethod
+    def address(cls, scene: Scene) -> dict[str, str]:
+        """Return further entries {name: text} of the address of a scene."""
+        return {}
 
     @classmethod
     def serve(cls, arguments: dict[str, list[bytes]]) -> bool:
         """Whether this feature has put a page of its own into the current document, for the address {name: values}."""
         return False
+
+    def replaced(self) -> None:
+        """Called when the scene of an address or a preset replaces what the visitor has chosen."""
 
     def requested(self, scene: Scene) -> None:
         """Called when another scene is computed or predicted from now on."""
@@ -87,10 +114,6 @@ class Feature(Requests):
 
     def status(self) -> dict[str, Any]:
         """Return further entries of the status of the run."""
-        return {}
-
-    def address(self, scene: Scene) -> dict[str, str]:
-        """Return further entries {name: text} of the address of a scene."""
         return {}
 
     def close(self) -> None:

@@ -29,23 +29,21 @@ SPEEDS = {1: "1 nm/s", 2: "2 nm/s", 4: "4 nm/s", 8: "8 nm/s", 20: "20 nm/s"}  # 
 PLAIN_SPEED = 4
 
 
-PRELOAD = '<link rel="preload" id="stored" as="fetch" crossorigin="anonymous" href="{}">'
 MARK = "@{}@"  # a placeholder in the page for a value of the visitor
 
 
 @dataclass(frozen=True)
 class Shared:
-    """The page in HTML with MARKs, for all visitors; stored: {preset: address of its stored run}."""
+    """The page in HTML with MARKs, for all visitors; root: address of its scripts and styles."""
 
     page: str
-    stored: dict[str, str]
+    root: str
 
     def page_for(self, arguments: Any, **own: Any) -> str:
         """Return the page for an address with these arguments {name: [bytes]}; own: {mark: text}."""
         scene, preset, _ = scene_from_address(arguments)
         values, page = values_of(scene), self.page
-        shown = preset in self.stored and scene == presets()[preset].scene
-        own |= {"stored": PRELOAD.format(self.stored[preset]) if shown else ""}
+        own |= {"head": "".join(made.head(self.root, scene, preset) for made in interface.classes().values())}
         for control in CONTROLS:
             near = [abs(position - values[control.name]) for position in control.positions]
             own |= {control.name: f"{values[control.name]:g}", f"{control.name}-at": str(near.index(min(near)))}
@@ -68,10 +66,10 @@ def shared(document: Callable[[Document], None]) -> Shared:
         item = RenderItem(token=MARK.format("token"), roots=doc.roots, use_for_title=True)
         given = values(root) | {"values": {control.name: MARK.format(control.name) for control in CONTROLS}}
         given |= {"places": {control.name: MARK.format(f"{control.name}-at") for control in CONTROLS}}
-        given |= {"preload": MARK.format("stored")}
+        given |= {"preload": MARK.format("head")}
         page = template()
         html = html_page_for_render_items(bundle_resources(doc.roots, resources), {}, [item], TITLE, page, given)
-    return Shared(re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', html), _stored(root))
+    return Shared(re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', html), root)
 
 
 def template(alone: bool = False) -> str:
@@ -110,16 +108,10 @@ def _grouped():
     return groups
 
 
-def _stored(root):
-    """Return {preset: address of its stored run}."""
-    return {path.stem: f"{root}/{name}" for name, path in assets.files().items() if path.suffix == ".bin"}
-
-
 def declarations(root: str) -> dict[str, Any]:
     """Return the declarations of presets, marks and sliders that the browser needs."""
     return {
         "looks": {preset.name: preset.look for preset in presets().values()},
-        "stored": _stored(root),
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},

@@ -8,13 +8,14 @@ In a notebook, or as a file, it shows a computed run instead:
     Stage(simulate(Scene())).save("punch.html")
 """
 
+import html
 from pathlib import Path
 from typing import Any
 
 import param
 from panel.custom import JSComponent
 
-from app import alone, interface, page
+from app import interface, page
 
 # Panel imports a component's scripts as copies, so this one only hands the model over
 SCRIPT = """
@@ -22,6 +23,7 @@ SCRIPT = """
         document.dispatchEvent(new CustomEvent("stage", { detail: model }))
     }
 """
+FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 0; max-width: 100%"></iframe>'
 EMPTY, MAKE = "this Stage has no result", "make it by Stage(simulate(Scene()))"
 # Parameters of features, which are there before the class: Panel makes its model from them
 Features = type("Features", (param.Parameterized,), interface.params())
@@ -38,9 +40,6 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
     run = param.Dict({}, doc="a part of a computed run: run, state, frames, body (bytes, service/packing.py)")
     skeleton = param.Dict({}, doc="a predicted run: acknowledged, body (bytes, service/skeletons.py)")
     status = param.Dict({}, doc="of values, notes, errors and progress, what has changed")
-    trace = param.Dict({}, doc="the profile in a file, with a question: trace, why")
-    measured = param.Dict({}, doc="a measured curve: curve, key; or why the file has none")
-    lesson = param.Dict({}, doc="the class of this visitor: code, stop, phase, answered, counts")
 
     # what a visitor asks for
     hello = param.Dict({}, doc="the page is ready for the first run")
@@ -48,18 +47,13 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
     release = param.Dict({}, doc="the hand has let go: exact (at once)")
     skip = param.Dict({}, doc="end the run and keep its frames")
     restore = param.Dict({}, doc="the scene of an address: values {name: text}")
-    profile = param.Dict({}, doc="the file of a profile: content (bytes), unit, begin, end, cut_off, sure")
-    curve = param.Dict({}, doc="the file of a measured curve: content (bytes), speed (nm/s), force (N/m per unit)")
-    forget = param.Dict({}, doc="keep no measured curve")
-    join = param.Dict({}, doc="join a class: code, secret, was (role before)")
-    lead = param.Dict({}, doc="take a class to a stop: stop, phase, ask, change")
-    vote = param.Dict({}, doc="a student's answer: answer")
 
     def __init__(self, result: Any = None, title: str = "", **params: Any) -> None:
         """result: a Result to show, read-only; title: of its file. Raises ValueError for a Result without frames."""
         super().__init__(**params)
         self._title = title or page.TITLE
-        self._page = "" if result is None else alone.page_of(result, self._title)
+        made = interface.classes().values() if result is not None else ()
+        self._page = next(filter(None, (feature.page_of(result, self._title) for feature in made)), "")
 
     def save(self, path: str | Path, *_: Any, **__: Any) -> None:  # type: ignore[override]
         """Write the file of the Result. Raises OSError where it cannot be written, ValueError without a Result."""
@@ -72,7 +66,9 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
         return {"text/html": self._repr_html_()}, {}
 
     def _repr_html_(self) -> str:
-        return alone.framed(self._page, self._title) if self._page else f"<p>{EMPTY} to show; {MAKE}</p>"
+        """Return the file in a frame of a notebook."""
+        framed = FRAME.format(html.escape(self._title), html.escape(self._page))
+        return framed if self._page else f"<p>{EMPTY} to show; {MAKE}</p>"
 
     _esm = SCRIPT
     # Panel waits 50 ms for other changes, unless they are of these

@@ -15,10 +15,10 @@ import panel as pn
 import param
 
 from app.document import on_loop
+from app.features.curve.feature import kept
 from app.lab.base import LabPage, side_by_side
 from app.service import tasks
 from app.service.pool import HEAVY
-from app.session.measured import kept
 from app.session.orders import LARGEST
 from solver import fit
 from solver.analysis.curve_files import read_measurement

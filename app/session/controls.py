@@ -1,6 +1,5 @@
 """The parameters a visitor may change: three sliders, and a drawer with all others. Reads and checks entries."""
 
-import hashlib
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -8,10 +7,10 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from cachetools import LRUCache
 
+from app import interface
 from app.limits import DEFAULT, FLAT, INCREMENTS, MOST, NUMBERS, increments_of
-from solver import LIMITS, DataError, Profile, Scene, SceneError
+from solver import LIMITS, Scene, SceneError
 from solver.presets import presets
 from solver.scene import PARAMETERS
 from solver.schema import RETIRED
@@ -72,14 +71,10 @@ NAMES = tuple(control.name for control in CONTROLS)
 LABELS = {control.name: control.label for control in CONTROLS}
 RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # in the app
 WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # {unit: name of that length in Scene}
-FOR_SERVER: set[str] = {"preset", "profile", "lab", "curve", *PARAMETERS}  # in an address, for the server
+FOR_SERVER: set[str] = {"preset", "lab", "curve", *PARAMETERS}  # in an address, for the server
 # In an address, for the browser; `pin` and `force` are of older links and have no effect
-FOR_BROWSER: set[str] = {
-    *("v", "theme", "embed", "tour", "view", "more", "pin", "force"),
-    *("class", "ask", "change"),
-}
+FOR_BROWSER: set[str] = {"v", "theme", "embed", "view", "more", "pin", "force"}
 STAYS = " The run on screen stays."
-_profiles = LRUCache(32)  # uploaded ones of this server by the name in an address, the latest used
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -133,21 +128,14 @@ def changed_scene(
             values.pop("delta_bar", None)
             values.setdefault("points", scene.points)
         changed = scene.changed(**values)
-        _refuse_large(changed, values)
+        refuse_large(changed, values)
         return changed, errors
     except SceneError as error:
         where = error.name if error.name in PARAMETERS else next(iter(values), NAMES[0])
         return scene, errors | {where: f"{message_of(error, entries.get(error.name))}.{STAYS}"}
 
 
-def with_profile(scene: Scene, profile: Profile) -> Scene:
-    """Return `scene` with the surface of a Profile; raises SceneError."""
-    changed = scene.changed(surface="measured", measured=profile, width=profile.length)
-    _refuse_large(changed, ())
-    return changed
-
-
-def _refuse_large(scene, values):
+def refuse_large(scene: Scene, values: Any) -> None:
     """Raise SceneError if the run is too large for a browser."""
     increments = increments_of(scene)
     nodes = min(FLAT, scene.nodes) if scene.surface == "flat" else scene.nodes
@@ -171,11 +159,8 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
         notes.append(f"There is no preset “{name[:40]}”: Menu, Preset lists all. The default is shown.")
         name = DEFAULT
     base = presets()[name].scene
-    if "profile" in entries:
-        try:
-            base = base.changed(measured=profile_of(entries["profile"]))
-        except DataError as error:
-            notes.append(f"profile: {error}.")
+    for feature in interface.classes().values():
+        base = feature.scene_of(base, entries, notes)
     remarks = []
     scene, errors = changed_scene(base, entries, remarks)
     if errors:
@@ -214,22 +199,6 @@ def address_of(scene: Scene, preset: str) -> dict[str, str]:
     """Return the address {name: text} that restores this scene: the preset, and the differences from it."""
     base = values_of(presets()[preset].scene)
     values = {name: shown(value) for name, value in values_of(scene).items() if value != base[name]}
-    if scene.surface == "measured" and scene.measured is not None:
-        values["profile"] = name_of(scene.measured)
+    for feature in interface.classes().values():
+        values |= feature.address(scene)
     return ({} if preset == DEFAULT else {"preset": preset}) | values
-
-
-def name_of(profile: Profile) -> str:
-    """Keep a Profile, and return its name."""
-    heights: Any = profile.heights  # bytes, once it is made
-    name = hashlib.sha256(heights + f" {profile.length!r}".encode()).hexdigest()[:12]
-    _profiles[name] = profile
-    return name
-
-
-def profile_of(name: str) -> Profile:
-    """Return the Profile of a name; raises DataError."""
-    profile = _profiles.get(name)
-    if profile is None:
-        raise DataError("this server does not have the profile of this address. Choose the file again")
-    return profile

@@ -116,7 +116,7 @@ def show(page, dice):
 @pytest.mark.parametrize("most", [30, 2000])
 def test_every_picture_sentence_and_entry_are_of_one_scene_and_increment_or_marked(visit, most):
     page = visit("?more=1", **PLAYING)
-    imported(page, "features/sentence/sentence", "tour").evaluate(WATCH)
+    imported(page, "features/sentence/sentence", "features/tour/tour").evaluate(WATCH)
     dice = random.Random(most)
     actions = [drag, drag, write, press, press, choose, tour]
     while page.evaluate("pictures") < most:

@@ -28,13 +28,13 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from client import Server, Tab, summary, tell
 from tornado.websocket import WebSocketClosedError
 
+from app import interface
 from app.environment import VISITORS
 from app.experiment import Experiment
-from app.session import classes, orders
-from app.session.extras import Film, Layer
-from app.session.measured import MeasuredCurve
+from app.features.lesson import feature as lesson
+from app.features.share.feature import FORMATS
+from app.session import orders
 from app.session.pursuit import Pursuit
-from app.session.share import Share
 
 PAUSE = 0.002  # s between two messages
 LONGEST = 60.0  # s of an attack: the server lets its messages wait
@@ -49,14 +49,14 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.is_flag: [True, False],
     orders.are_entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
     orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
-    orders.FORMATS.__contains__: list(orders.FORMATS),
-    classes.PHASES.__contains__: list(classes.PHASES),
-    classes.ASKED.__contains__: list(classes.ASKED),
-    classes.ROLES.__contains__: list(classes.ROLES),
+    FORMATS.__contains__: list(FORMATS),
+    lesson.PHASES.__contains__: list(lesson.PHASES),
+    lesson.ASKED.__contains__: list(lesson.ASKED),
+    lesson.ROLES.__contains__: list(lesson.ROLES),
 }
 
 
-PARTS = Experiment, Pursuit, Share, Film, Layer, MeasuredCurve, classes.Attendance
+PARTS = Experiment, Pursuit, *interface.classes().values()
 ORDERS = {name: getattr(part, method).order for part in PARTS for name, method in orders.declared(part).items()}
 
 

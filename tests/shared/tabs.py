@@ -120,7 +120,7 @@ def imported(page, *names):
 
 def at_stop(page, stop):
     """The page at a stop of the tour, as `?tour=` opens it, once it asks."""
-    imported(page, "tour").evaluate(f"modules.tour.openTour({stop})")
+    imported(page, "features/tour/tour").evaluate(f"modules.tour.openTour({stop})")
     asked(page)
     return page
 

@@ -19,7 +19,6 @@ export function addPart(chart, name, part, before = null) {
 export const line = (ink, more) => ({ kind: "line", ink, ...none, ...more })
 const cursor = () => ({ kind: "upright", at: 0, ink: "--cursor", width: 1.5 })
 const drawing = () => ({ kind: "drawing", draw: () => {} })
-const measured = (ink) => ({ kind: "marks", marker: "circle", size: 5, hollow: true, ink, ...none })
 const ways = () => ({ kind: "marks", marker: "right", size: 11, ink: "--text", ...none }) // heads along a curve
 
 // {name: marks, which are none yet} of declared ones, the most important of which is first there, and painted last
@@ -45,12 +44,11 @@ export function makeCharts(nodes) {
     across: "", up: "F, L (N/m)", parts: {
       zero: { kind: "across", ink: "--grid" },
       ghost_F: line("--ghost", { width: 3 }), ghost_L: line("--ghost", { width: 3, dash: DASHED }),
-      laid_F: measured("--laid-1"), laid_L: measured("--laid-2"),
       F: line("--shear", { width: 2 }), L: line("--normal", { width: 2, dash: DASHED }),
       slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
     } })
   addChart("area", { x: { ...path }, y: { start: 0, end: 100 }, across: "", up: "A (nm)", parts: {
-    ghost_A: line("--ghost", { width: 3 }), laid_A: measured("--laid-1"), A: line("--area", { width: 2 }),
+    ghost_A: line("--ghost", { width: 3 }), A: line("--area", { width: 2 }),
     slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
   } })
 }

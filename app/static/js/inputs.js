@@ -1,11 +1,10 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
-import { tooLarge } from "./channel.js"
 import { theme } from "./colours.js"
-import { by, closest, fetched, on, onDrag, readdress, say } from "./dom.js"
+import { by, closest, on, onDrag, readdress } from "./dom.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, restore, steer } from "./steer.js"
-import { alone, CARRIED, declared, beginChange, me, redraw, reduced, set } from "./store.js"
+import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
 import { chooseNext, connectViews, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
@@ -84,25 +83,6 @@ function onKey(event) {
   KEYS[key](event.shiftKey ? 10 : 1)
 }
 
-async function readProfile(file) {
-  const large = tooLarge(file)
-  if (large)
-    return say("profile-error", `profile: ${file.name} has ${large}; thin it out. The run on screen stays.`)
-  const content = await file.arrayBuffer()
-  return (await fetched(() => import("./later/trace.js")))?.read(content)
-}
-
-// A file dropped on the page is a measured curve
-function connectDrop() {
-  if (alone) return
-  document.addEventListener("dragover", (event) => event.preventDefault())
-  document.addEventListener("drop", async (event) => {
-    const [file] = event.dataTransfer.files
-    event.preventDefault()
-    if (file) (await fetched(() => import("./later/overlay.js")))?.read(file)
-  })
-}
-
 // An experiment chosen starts: it is shown as it is computed, then played from its beginning
 function choosePreset(preset) {
   beginChange(false)
@@ -122,10 +102,6 @@ function bringScene({ currentTarget: link }) {
 }
 
 export function connect() {
-  CARRIED.curve = {
-    give: () => me.laid?.name,
-    take: async (name) => (await fetched(() => import("./later/overlay.js")))?.askAgain(name), // the server has forgotten it
-  }
   document.addEventListener("input", hideHint, { once: true })
   for (const name in declared.positions) connectSlider(name, declared.positions[name])
   document.querySelector(".controls").addEventListener("keydown", ({ key }) => {
@@ -138,8 +114,6 @@ export function connect() {
     enter({ [entry.id.replace("-entry", "")]: entry.value })
   })
   on("row", "change", ({ target }) => choosePreset(target.value))
-  on("profile", "click", ({ target }) => { target.value = "" }) // so that the same file can be chosen again
-  on("profile", "change", ({ target }) => { if (target.files[0]) readProfile(target.files[0]) })
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
     if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
@@ -155,11 +129,7 @@ export function connect() {
   on("step", "click", () => { play(false); move(1) })
   on("back", "click", () => move(-1))
   on("reset", "click", reset)
-  on("data", "click", async () => (await fetched(() => import("./later/overlay.js")))?.choose())
-  connectDrop()
   on("help", "click", KEYS["?"])
-  on("tour", "click", async () => (await fetched(() => import("./tour.js")))?.openTour())
-  on("class", "click", async () => (await fetched(() => import("./later/lesson.js")))?.openClass())
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
   for (const menu of ["preset", "speed"]) {

@@ -36,15 +36,11 @@ export function start() {
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
   channel.take("status", status.heard)
-  player.connectStored()
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   me.speed = Number(by("speed").value)
   document.addEventListener("stage", ({ detail }) => connect(detail))
   if (alone) opened()
   plugIn(declared.features)
-  const asked = new URLSearchParams(location.search), stop = Number(asked.get("tour"))
-  if (stop) import("./tour.js").then(({ openTour }) => openTour(stop))
-  if (asked.get("class")) import("./later/lesson.js").then(({ join }) => join())
 }
 
 // Connect features in their order; the page goes on without one that fails. Addresses are relative to the page

@@ -3,12 +3,11 @@
 import { heard } from "./channel.js"
 import { by, closest } from "./dom.js"
 import { AFTER, firstOfPath } from "./events.js"
-import { unpackLater } from "./packed.js"
 import { spoken } from "./quantities.js"
 import { Run } from "./run.js"
 import { chunkFrom } from "./skeleton.js"
 import { restore, sendNext } from "./steer.js"
-import { alone, declared, ended, exact, me, now, reduced, set, touch, view } from "./store.js"
+import { alone, ended, exact, me, now, reduced, set, touch, view } from "./store.js"
 
 let coming = null // the run that takes the place of what is on screen once it is whole
 
@@ -77,7 +76,7 @@ function showPredicted(few) {
 }
 
 // A stored run takes the screen until the computed one is whole
-function standIn(run) {
+export function standIn(run) {
   begin(run)
   if (me.following) set({ at: me.playing ? run.beginning : run.length - 1, following: false })
   else if (me.place) toPlace()
@@ -186,27 +185,4 @@ export function reset() {
   set({ ghost: null, start: null, following: !alone, preview: null, place: null, playing: !reduced,
     speed: Number(plain.value), ...(alone && { at: me.run.beginning }) })
   restore({})
-}
-
-// A stored run of an experiment of the row (app/service/stored.py) is on screen until the computed one has come. The
-// page names that of its scene. While workers get ready, the one of the preset is shown where the page names none
-export function connectStored() {
-  showStored(by("stored")?.getAttribute("href"))
-  view(["status"], () => {
-    const { state, preset } = me.status
-    if (state === "warming") showStored(declared.stored[preset] ?? Object.values(declared.stored)[0])
-  })
-}
-
-let asked = "" // address of the last stored run
-async function showStored(address) {
-  const superfluous = () => address !== asked || (Boolean(me.run) && !me.run.stored)
-  if (!address || address === asked) return
-  asked = address
-  const response = superfluous() ? null : await fetch(address).catch(() => null)
-  const chunk = response?.ok && (await unpackLater({ body: await response.arrayBuffer() }))
-  if (!chunk || superfluous()) return
-  const run = Object.assign(new Run(0, chunk.head), { stored: true })
-  run.add(chunk)
-  standIn(run)
 }

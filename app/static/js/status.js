@@ -157,11 +157,7 @@ function showState(shown, text) {
 
 // A run that was computed in advance stands in for the one to come
 function tellStored(state) {
-  if (alone) {
-    tell(by("look"), declared.alone.scene)
-    say("notes", declared.alone.notes)
-    return showState("saved", "")
-  }
+  if (alone) return showState("saved", "")
   showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
   tell(by("computed"), "This run was computed in advance.")
 }

@@ -18,7 +18,6 @@ const fields = {
   // the run on screen, the pale one behind it, the computed run that was on screen when the change began
   run: null, ghost: null, start: null,
   beside: [], more: {}, // runs drawn with it; {quantity: lists of values that its axis holds, too}
-  laid: null, lesson: null, // see later/overlay.js, later/lesson.js
   at: 0, preview: null, drawn: -1, // the frame played at, pointed at, on screen
   picture: null, // {run, k} as drawn last
   said: "", // what happens in it, in words

@@ -1,11 +1,11 @@
 // A class that answers: its code and its numbers on the teacher's screen, the teacher's stop on those of the students.
 // Loaded where the address names a class. The questions are those of the tour, or the teacher's own.
 
-import { originForOthers, opensElsewhere } from "../reach.js"
-import { order, take } from "../channel.js"
-import { by, keep, keepForTab, kept, make, readdress, takeFromTab } from "../dom.js"
-import { me } from "../store.js"
-import { follow } from "../tour.js"
+import { originForOthers, opensElsewhere } from "../../static/js/reach.js"
+import { order, take } from "../../static/js/channel.js"
+import { by, keep, keepForTab, kept, make, readdress, takeFromTab } from "../../static/js/dom.js"
+import { me } from "../../static/js/store.js"
+import { follow } from "../tour/tour.js"
 import { ASKED } from "../tour/stops.js"
 
 const LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ" // I and O look like figures

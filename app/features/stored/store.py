@@ -1,8 +1,8 @@
 """Stored runs of the experiments at the top of the page. The page shows them until the computed run is there.
 
-    python -m app.service.stored
+    python -m app.features.stored.store
 
-computes them and writes them to static/runs/, each a block of packing.py.
+computes them and writes them to runs/, each a block of packing.py.
 """
 
 import sys
@@ -14,7 +14,7 @@ from app.service import worker
 from app.service.packing import Frames
 from solver.presets import Preset, presets
 
-FOLDER = Path(__file__).parents[1] / "static" / "runs"
+FOLDER = Path(__file__).parent / "runs"
 LARGEST = 110_000  # bytes of a file
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from app.service.tasks import LAID, read_curve
-from app.session.measured import kept
+from app.features.curve.feature import kept
+from app.features.curve.tasks import LAID, read_curve
 from solver import Scene
 
 U_X = np.linspace(0.0, 6.0, 31)

@@ -53,7 +53,7 @@ def test_stored_runs_match_the_solver(tab, name):
     texts = [base64.b64encode(message).decode() for message in (run, block)]
     compared = tab.evaluate(COMPARE % (FIELDS, list(packing.FIELDS), list(ALIKE)), texts)
     assert compared["size"] == [made.frames, blocks.header(block)["nodes"]]
-    assert compared["scene"] == blocks.header(block)["scene"], "write the runs anew: python -m app.service.stored"
+    assert compared["scene"] == blocks.header(block)["scene"], "run python -m app.features.stored.store"
     assert {name: apart for name, apart in compared["columns"].items() if apart > CURVES} == {}
     # a symmetric wave touches on either side first, as round-off decides, until the other side has followed
     assert max(compared["fields"].values()) <= (SIDED if name == "wave" else 0)

@@ -27,7 +27,6 @@ BASE = """<!DOCTYPE html>
 </head>
 <body>{% block contents %}{% endblock %}</body></html>
 """
-FRAME = '<iframe title="{}" srcdoc="{}" width="960" height="600" style="border: 0; max-width: 100%"></iframe>'
 
 
 def page_of(result: Any, title: str = page.TITLE) -> str:
@@ -39,7 +38,7 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
         raise ValueError(f"title = {title!r} has half of a character; allowed: text that UTF-8 can write; correct it")
     (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
     features = assets.scripts(alone=True)
-    alone = {"stored": {}, "alone": {"scene": _words(scene), "notes": " ".join(result.notes)}, "features": features}
+    alone = {"alone": {"scene": _words(scene), "notes": " ".join(result.notes)}, "features": features}
     values = page.values("") | {
         "title": html.escape(title),
         "imports": json.dumps({"imports": _scripts([assets.MAIN, *features])}),
@@ -57,11 +56,6 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
     jinja.globals["macros"] = jinja.from_string("{% macro embed(root) %}{% endmacro %}")
     text = jinja.from_string("{% extends base %}\n" + page.template(alone=True)).render(values)
     return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
-
-
-def framed(text: str, title: str = page.TITLE) -> str:
-    """Return such a file in a frame, as a notebook shows it."""
-    return FRAME.format(html.escape(title), html.escape(text))
 
 
 def _address(kind, content):

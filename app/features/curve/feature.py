@@ -1,4 +1,4 @@
-"""The measured curve that a visitor lays over the run: a worker reads it, the browser draws it.
+"""A measured curve over the run: a worker reads it, the browser draws and compares it.
 
 This server keeps its content for the page *Fit* until the visitor drops another one or leaves.
 """
@@ -6,8 +6,9 @@ This server keeps its content for the page *Fit* until the visitor drops another
 import secrets
 from typing import Any
 
-from app.service import tasks
-from app.service.requests import Requests
+from app import interface
+from app.features.curve import tasks
+from app.service.tasks import READING
 from app.session import orders
 from app.session.orders import order
 
@@ -20,10 +21,19 @@ def kept(key: str) -> Kept | None:
     return _kept.get(key)
 
 
-class MeasuredCurve(Requests):
+class Feature(interface.Feature):
     """The file of one visitor. `key`: an unguessable name of what is kept of it, "" for nothing."""
 
+    ORDER = 60
+    PARAMS = {
+        "curve": "the file of a measured curve: content (bytes), speed (nm/s), force (N/m per unit)",
+        "forget": "keep no measured curve",
+        "measured": "a measured curve: curve, key; or why the file has none",
+    }
     key = ""
+
+    def close(self) -> None:
+        self.forget()
 
     @order("curve", content=orders.is_content, speed=orders.is_number, force=orders.is_number)
     def read(self, content: bytes, speed: float | None = None, force: float | None = None) -> None:
@@ -32,7 +42,7 @@ class MeasuredCurve(Requests):
         The message `curve` has it, or why the file is not usable: then the last one stays.
         """
         call = tasks.read_curve, self.session.scene, content, speed, force
-        self.ask(call, lambda made: self._made(made, (content, speed, force)), private=True, seconds=tasks.READING)
+        self.ask(call, lambda made: self._made(made, (content, speed, force)), private=True, seconds=READING)
 
     def _made(self, made: Any, given: Kept) -> None:
         curve, why = made or (None, "it could not be read in time; thin it out")

@@ -1,4 +1,4 @@
-"""Classes that answer: the visitors whose address has the same code. The first one is the teacher, who leads.
+"""Classes that answer: the visitors of one code; the first one is the teacher, who leads. Needs tour.
 
 A class has one question at a time: a stop of the tour, or one that the teacher has written in the address. Each student
 has one vote for it. A class has no names, and nothing of it is kept when its last visitor has left.
@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
+from app import interface
 from app.session import controls, orders
 from app.session.orders import order
 from solver import LIMITS
@@ -20,7 +21,7 @@ ROLES = "student", "teacher"
 ASKED = "F_s", "U_s", "A_s", "L_s"  # what a teacher's own question may be about
 
 _classes: dict[str, "Class"] = {}  # by code
-several = False  # whether this process is one of --num-procs: each would have a class of the same code
+_several = False  # whether this process is one of --num-procs
 
 
 @dataclass(eq=False)
@@ -32,25 +33,43 @@ class Class:
 
     code: str
     secret: str = ""
-    teacher: "Attendance | None" = None
-    students: set["Attendance"] = field(default_factory=set)
+    teacher: "Feature | None" = None
+    students: set["Feature"] = field(default_factory=set)
     stop: dict[str, Any] = field(default_factory=dict)
-    votes: dict["Attendance", int] = field(default_factory=dict)
+    votes: dict["Feature", int] = field(default_factory=dict)
     asked: int = 0
 
-    def send(self, *others: "Attendance") -> None:
+    def send(self, *others: "Feature") -> None:
         """Send the state of the class to the teacher, and to other visitors."""
         for visitor in {*others, self.teacher} - {None}:
             visitor.send_soon()  # type: ignore[union-attr]
 
 
-class Attendance:
-    """The part of one visitor in a class. Every method runs under the lock of the visitor's document."""
+class Feature(interface.Feature):
+    """The part of one visitor in a class."""
+
+    ORDER = 25
+    PARAMS = {
+        "lesson": "the class of this visitor: code, stop, phase, answered, counts",
+        "join": "join a class: code, secret, was (role before)",
+        "lead": "take a class to a stop: stop, phase, ask, change",
+        "vote": "a student's answer: answer",
+    }
+    KEEPS = frozenset({"class", "ask", "change"})
 
     def __init__(self, session: Any) -> None:
-        self.session = session
+        super().__init__(session)
         self.of: Class | None = None
         self.due = False  # whether the state of the class is about to be sent
+
+    @classmethod
+    def begin(cls, several: bool) -> None:
+        """Remember whether this is one of several processes: each would have a class of the same code."""
+        global _several
+        _several = several
+
+    def close(self) -> None:
+        self.leave()
 
     @property
     def leads(self) -> bool:
@@ -65,7 +84,7 @@ class Attendance:
         """
         if self.of or not secret or not CODE.fullmatch(code):
             raise orders.Refused
-        if several:
+        if _several:
             text = f"Class {code} cannot open: this server has several processes, and each would have its own"
             self.session.notes = [f"{text} class {code}. Start it without --num-procs."]
             return

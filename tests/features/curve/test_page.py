@@ -52,9 +52,9 @@ def test_a_dropped_curve_is_drawn_over_its_own_and_says_how_far_as_python_does(v
         frames = [frame for frame in frames if frame.U_x <= run.first_slip.U_s]
     text = made(frames, x, y, times=1.2)
     dropped(page, text)
-    points, found = imported(page, "later/measured").evaluate(
+    points, found = imported(page, "features/curve/measured").evaluate(
         """(y) => {
-            const { laid: { curve, set }, charted } = punch, { pointsOf, laidOver } = modules["later/measured"]
+            const { laid: { curve, set }, charted } = punch, { pointsOf, laidOver } = modules.measured
             return [pointsOf(curve, y, charted, set), laidOver(curve, charted).apart(set)]
         }""",
         y,

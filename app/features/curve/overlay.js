@@ -1,13 +1,13 @@
 // The visitor's measured curve over the run on screen, with the setting of the instrument. Loaded with the first file.
 
-import { order, take, tooLarge } from "../channel.js"
-import { addChart, charts, line } from "../charts.js"
-import { NARROW } from "../curves.js"
-import { by, make, makeButton, say } from "../dom.js"
-import { digits, fixed } from "../quantities.js"
-import { enter } from "../steer.js"
-import { frame, me, memory, redraw, sees, view } from "../store.js"
-import { choose as chooseCurve, seeMore } from "../view.js"
+import { order, take, tooLarge } from "../../static/js/channel.js"
+import { addChart, addPart, charts, line, none } from "../../static/js/charts.js"
+import { NARROW } from "../../static/js/curves.js"
+import { by, make, makeButton, say } from "../../static/js/dom.js"
+import { digits, fixed } from "../../static/js/quantities.js"
+import { enter } from "../../static/js/steer.js"
+import { frame, me, memory, redraw, sees, view } from "../../static/js/store.js"
+import { choose as chooseCurve, seeMore } from "../../static/js/view.js"
 import { laidOver, largest, mainOf, pointsOf } from "./measured.js"
 
 const WIDEST = 10 // times that the handle of the scale reaches, either way
@@ -192,10 +192,14 @@ function remove() {
   by("menu").focus()
 }
 
+const points = (ink) => ({ kind: "marks", marker: "circle", size: 5, hollow: true, ink, ...none })
 const handle = (id, text) => make("label", {}, `${text} `,
   make("input", { type: "range", id, min: -100, max: 100, value: 0, oninput: turn }))
 
 function connect() {
+  addPart("forces", "laid_F", points("--laid-1"), "F")
+  addPart("forces", "laid_L", points("--laid-2"), "F")
+  addPart("area", "laid_A", points("--laid-1"), "A")
   by("above").append(make("section", { id: "laid", className: "strip", "aria-label": "Your data" },
     make("span", { id: "laid-says" }),
     makeButton({ id: "laid-path", hidden: true, onclick: () => enter({ path: pathOf(me.laid.curve) }) },

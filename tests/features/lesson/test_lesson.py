@@ -3,7 +3,7 @@
 import pytest
 from visitor import Page
 
-from app.session import classes
+from app.features.lesson import feature as classes
 
 
 @pytest.fixture
@@ -106,7 +106,7 @@ def test_a_full_class_is_named_and_its_students_stay(visitors, monkeypatch):
     teacher, _ = visitors(), visitors()
     third = visitors()
     assert "has 1 students" in third.session.notes[0]
-    assert told(teacher)["here"] == 1 and third.session.attendance.of is None
+    assert told(teacher)["here"] == 1 and third.session.features["lesson"].of is None
 
 
 def test_a_question_of_the_teacher_carries_the_scene_at_hand(visitors):

@@ -1,9 +1,9 @@
 // The profile in a file as measured, and what the server asks about it: the unit where none is named, the part of a
 // long trace, and a filter for steep places. Loaded with the first file.
 
-import { order, take } from "../channel.js"
-import { by, make, makeShape, on, say } from "../dom.js"
-import { me } from "../store.js"
+import { order, take } from "../../static/js/channel.js"
+import { by, make, makeShape, on, say } from "../../static/js/dom.js"
+import { me } from "../../static/js/store.js"
 
 const UNITS = { nm: 1, "µm": 1e3, mm: 1e6 } // {name: nm}
 const LONG = 20e3, PART = 2e3 // nm: of a longer trace the middle part

@@ -1,0 +1,35 @@
+"""Stored runs: those of the experiments at the top of the page are on screen until the computed run has come."""
+
+from typing import Any
+
+from tornado.ioloop import IOLoop
+
+from app import interface
+from app.features.stored.store import FOLDER, row
+from app.service.jobs import jobs
+from solver import Scene
+from solver.presets import presets
+
+PRELOAD = '<link rel="preload" id="stored" as="fetch" crossorigin="anonymous" href="{}">'
+
+
+class Feature(interface.Feature):
+    """The page fetches them as files."""
+
+    ORDER = 1
+    ALONE = True
+
+    @classmethod
+    def declared(cls, root: str) -> dict[str, Any]:
+        runs = {path.stem: f"{root}/features/stored/runs/{path.name}" for path in sorted(FOLDER.glob("*.bin"))}
+        return {"stored": runs}
+
+    @classmethod
+    def head(cls, root: str, scene: Scene, preset: str) -> str:
+        address = cls.declared(root)["stored"].get(preset) if scene == presets()[preset].scene else None
+        return PRELOAD.format(address) if address else ""
+
+    @classmethod
+    def begin(cls, several: bool) -> None:
+        """Compute these runs on workers that nobody needs."""
+        IOLoop.current().spawn_callback(jobs.precompute, [preset.scene for preset in row().values()])

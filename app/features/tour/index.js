@@ -1,0 +1,11 @@
+// The tour: its button, and the stop that an address names. Loaded when it is asked for.
+
+import { fetched, on } from "../../static/js/dom.js"
+
+export function connect() {
+  const stop = Number(new URLSearchParams(location.search).get("tour"))
+  if (stop) open(stop)
+  on("tour", "click", () => open())
+}
+
+const open = async (stop) => (await fetched(() => import("./tour.js")))?.openTour(stop)
