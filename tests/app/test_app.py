@@ -15,10 +15,9 @@ from app.experiment import example
 from app.page import shared
 from app.service import packing, worker
 from app.session import controls, pursuit
-from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, drawer, scene_from_address
+from app.session.controls import CONTROLS, NAMES, address_of, changed_scene, scene_from_address
 from solver import LIMITS, Scene, advance
 from solver.presets import presets
-from solver.scene import PARAMETERS
 
 ROUNDED = 2 * packing.FINE + 0.002  # of the largest value: straight lines over frames and nodes, and the steps
 
@@ -102,11 +101,6 @@ def test_drawer_rejects_scenes_that_cannot_run_with_a_reason(entries, said):
     scene, errors = changed_scene(Scene(), entries)
     assert scene == Scene()
     assert list(errors) == list(entries) and said in errors[next(iter(entries))]
-
-
-def test_drawer_holds_every_parameter_without_a_slider_once():
-    names = [name for group in drawer().values() for name in group]
-    assert sorted([*names, *NAMES]) == sorted(PARAMETERS)
 
 
 def test_a_flat_is_packed_with_only_the_drawn_nodes():

@@ -7,10 +7,10 @@ import numpy as np
 import panel as pn
 import pytest
 
+from app.features.curve import feature as measured
 from app.lab import accuracy, area_laws, base, fit, stick_slip
 from app.service import tasks
 from app.service.pool import pool
-from app.session import measured
 from solver import Scene, load_path
 from solver.accuracy.compare import Point
 from solver.analysis.friction_laws import onset

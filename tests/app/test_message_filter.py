@@ -97,7 +97,10 @@ def test_a_file_arrives_as_bytes_with_its_order_and_is_kept_by_nothing(visit, mo
     (given,) = visit.parts(head, "{}", content, '{"id": "b"}', table)
     assert given == {"do": "profile", "n": 5, "content": table}
     method = visit.session.orders["profile"]
-    assert orders.read(method, {"n": 5, "content": table}) == (visit.session.read_file, {"content": table})
+    assert orders.read(method, {"n": 5, "content": table}) == (
+        visit.session.features["profile"].read_file,
+        {"content": table},
+    )
     Experiment.obey(visit.session, "profile", {"n": 5, "content": table})
     assert visit.session.stage.profile == {}
 

@@ -320,6 +320,7 @@ function drawSprings(canvas, run, k) {
   const shape = run.frame(k), edges = run.edges(k), { first, spacing } = run.headOf(k)
   const i = edges ? Math.floor(edges[0] - first) : shape.gap.findIndex((gap) => gap === Math.min(...shape.gap))
   const middle = shape.x[Math.max(0, i)] + 2 * spacing, scale = width / (SPRUNG * spacing), low = 0.72 * height
-  drawAtoms({ pen, frame: shape, run, k, ink: inks() }, (x) => 0.5 * width + (x - middle) * scale, (y) => low - y * scale * 0.8,
-    scale, middle - (SPRUNG * spacing) / 2, middle + (SPRUNG * spacing) / 2)
+  const x = (nm) => 0.5 * width + (nm - middle) * scale, y = (nm) => low - nm * scale * 0.8
+  drawAtoms({ pen, frame: shape, run, k, ink: inks() }, x, y, scale,
+    middle - (SPRUNG * spacing) / 2, middle + (SPRUNG * spacing) / 2)
 }

@@ -82,7 +82,7 @@ def upload(page, text):
 
 
 def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
-    upload(page, WAVY)
+    upload(page, TEXT)
     page.until("finished")
     assert page.session.scene.width == 600.0 and page.session.scene.surface == "measured"
     assert any("201 points" in note for note in page.status()["notes"])
@@ -95,21 +95,23 @@ def reading_of(session):
 
 
 def test_sliders_moved_while_a_profile_is_read_are_kept_and_a_preset_replaces_it(session):
-    send_file(session, WAVY)
+    send_file(session, TEXT)
     order(session, "scene", E="200")
-    reading_of(session).set_result(tasks.measured(WAVY.encode(), tasks.Chosen()))
+    reading_of(session).set_result(tasks.measured(TEXT.encode(), tasks.Chosen()))
     assert (session.scene.surface, session.scene.width, session.scene.E) == ("measured", 600.0, 200.0)
-    send_file(session, WAVY.replace("0, ", "0,  ", 1))
+    send_file(session, TEXT.replace("0, ", "0,  ", 1))
     late = reading_of(session)
     order(session, "restore")
     assert late.cancelled() and session.scene == presets()["fig6"].scene
 
 
+TEXT = "\n".join(["x (nm), z (nm)"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 600):.6f}" for x in range(0, 601, 3)])
+
 LONG = "\n".join(["x (nm), z (nm)"] + [f"{x}, {3 * np.sin(2 * np.pi * x / 500):.6f}" for x in range(0, 40_001, 10)])
 
 
 ASKED = {  # {what: (the file, what is then chosen)}
-    "no unit": (WAVY.replace(" (nm)", ""), {"unit": "nm"}),
+    "no unit": (TEXT.replace(" (nm)", ""), {"unit": "nm"}),
     "a long trace": (LONG, {"begin": 1e4, "end": 1.2e4}),
     "steep places": ("x (nm), z (nm)\n" + "\n".join(f"{x}, {x % 2 * 5}" for x in range(400)), {"cut_off": 50.0}),
 }
@@ -138,8 +140,8 @@ def test_a_visitor_is_asked_about_a_profile_and_what_he_chooses_is_used(session,
 
 def test_a_profile_that_makes_the_run_too_long_is_rejected(session):
     order(session, "scene", surface="flat", u_x_max="400", nodes="1024")
-    send_file(session, WAVY)
-    reading_of(session).set_result(tasks.measured(WAVY.encode(), tasks.Chosen()))
+    send_file(session, TEXT)
+    reading_of(session).set_result(tasks.measured(TEXT.encode(), tasks.Chosen()))
     assert session.scene.surface == "flat" and "increments" in session.errors["profile"]
 
 

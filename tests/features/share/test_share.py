@@ -21,7 +21,7 @@ def test_share_dialog_has_a_qr_code_unless_the_link_is_too_long(page):
     assert page.messages.pop()["qr"] == "" and not page.session.features["share"].code.waiting
     page.order("share", link="h" * SCANNED)
     assert page.messages.pop()["qr"] == ""  # the Python lines come at once, the code once a worker has drawn it
-    page.run_next()
+    page.run_scheduled(lambda: page.messages)
     assert page.messages.pop()["qr"].startswith("data:image/svg+xml")
 
 

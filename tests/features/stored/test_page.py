@@ -8,7 +8,8 @@ import pytest
 from served import PATIENCE, PLAYING, Server, finished, paused_at
 from tabs import Tabs
 
-from app.service import packing, stored, worker
+from app.features.stored import store as stored
+from app.service import packing, worker
 
 CURVES = 1e-3  # of the largest value: processors differ in round-off, and slips amplify it
 FIELDS = 0.025  # of the largest value: two runs that each err by 2 packing.FINE, with roundings
@@ -164,7 +165,7 @@ def test_computed_run_replaces_the_stored_one_at_the_same_increment_and_axes(ser
 def test_figures_and_play_are_disabled_until_a_run_is_on_screen(server, browser):
     page = browser.new_page(reduced_motion="reduce")
     stored_runs, computed = [], HeldBack(page)
-    page.route("**/static/runs/**", lambda route: stored_runs.append(route))
+    page.route("**/stored/runs/**", lambda route: stored_runs.append(route))
     page.goto(f"{server.address}?more=1")
     page.wait_for_function(
         "document.getElementById('status').dataset.state === 'opening' && window.punch", timeout=PATIENCE
