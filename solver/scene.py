@@ -1,5 +1,6 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
+import reprlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -323,6 +324,15 @@ class Scene:
         """{parameter: value} where this scene differs from another, by default from Scene(); without `measured`."""
         other = other or Scene()
         return {name: getattr(self, name) for name in PARAMETERS if getattr(self, name) != getattr(other, name)}
+
+
+def refuse_other(scene: Scene, of: Scene | None, what: str) -> None:
+    """Raises SceneError where `of`, the scene that `what` belongs to, is another one; None belongs to any scene."""
+    if of is None or of is scene or of == scene:
+        return
+    name = next(iter(scene.differences(of)), "measured")
+    allowed = f"allowed with this {what}: {reprlib.repr(getattr(of, name))}"
+    raise SceneError(name, getattr(scene, name), allowed, f"give the scene that the {what} belongs to")
 
 
 PARAMETERS = parameters(Scene)  # {name: Range, Choice or Points}

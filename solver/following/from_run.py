@@ -8,7 +8,7 @@ import numpy as np
 from ..continuation.trace import Trace
 from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
-from ..scene import Scene
+from ..scene import Scene, refuse_other
 from ..threads import one_thread
 from .follow import moved_at_once
 from .moved import NotFollowed
@@ -47,7 +47,8 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
 
     Parameters: scene; checkpoint: at the end of its run, or where the run begins to repeat itself.
     Returns the Skeleton of the run.
-    Raises NotFollowed where the run has no skeleton, or one that does not describe it.
+    Raises NotFollowed where the run has no skeleton, or one that does not describe it, SceneError for the checkpoint of
+    another scene.
 
     Example: `skeleton_from(Scene(), advance(Scene(), budget=60.0)[1])`
     """
@@ -55,6 +56,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     if not isinstance(checkpoint, Checkpoint):
         remedy = "give the checkpoint that `advance` returns, or use skeleton_of(scene)"
         raise TypeError(f"checkpoint = {type(checkpoint).__name__}; allowed: a Checkpoint; {remedy}")
+    refuse_other(scene, checkpoint.scene, "checkpoint")
     trace = checkpoint.trace if checkpoint.stage == "shear" else None
     if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
         raise NotFollowed("the run has not slid yet, or was not recorded from its start")

@@ -16,7 +16,7 @@ from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
-from ..scene import Scene
+from ..scene import Scene, refuse_other
 from ..threads import one_thread
 from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
@@ -42,6 +42,7 @@ class Checkpoint(NamedTuple):
     failure: str | None = None  # why the run ended early, with a remedy
     outcome: Outcome = Outcome.FINISHED  # of the run, once done
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
+    scene: Scene | None = None  # of the run, once begun: no other one continues it
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
 
 
@@ -107,9 +108,10 @@ class Run:
         """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
 
         limit: s of processor time for an increment. observe: a function called at every force evaluation, which may
-        raise to end the run. Raises as `next_frame`.
+        raise to end the run. Raises as `next_frame`, SceneError for the Checkpoint of another scene.
         """
         checkpoint = checkpoint or Checkpoint()
+        refuse_other(self.scene, checkpoint.scene, "checkpoint")
         while not checkpoint.done:
             frame, checkpoint = self.next_frame(checkpoint, observe or deadline(limit))
             yield frame, checkpoint
@@ -118,8 +120,9 @@ class Run:
     def next_frame(self, checkpoint, observe=None) -> tuple[Frame, Checkpoint]:
         """(frame, checkpoint) of the increment that `checkpoint` stands before.
 
-        Raises NotConverged; what `observe` raises.
+        Raises NotConverged; SceneError for the Checkpoint of another scene; what `observe` raises.
         """
+        refuse_other(self.scene, checkpoint.scene, "checkpoint")
         load_steps = checkpoint.load_steps or load_steps_of(self.scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         stepper = self._stepper_of(step, checkpoint)
@@ -174,6 +177,7 @@ class Run:
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
         progress = {"increment": index + 1, "state": state, "trace": trace, "load_steps": load_steps}
+        progress["scene"] = self.scene
         if not last:
             return progress
         following = load_steps[load_steps.index(step) + 1 :]

@@ -1,0 +1,56 @@
+"""Use from Python, as bug reports of other libraries describe it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import Profile, Scene, SceneError, advance, load_path, sensitivities, simulate, skeleton_from, skeleton_of
+from solver.analysis.friction_laws import friction_force
+from solver.files import report_of, write_npz
+
+SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=12.0)
+DEEPER = SMALL.changed(delta_bar=0.1)
+
+
+def test_a_checkpoint_continues_the_run_of_its_scene_and_refuses_any_other_by_the_parameter():
+    frames, checkpoint = advance(SMALL, budget=0.0)
+    assert advance(Scene(**SMALL.differences()), checkpoint, budget=0.0)[0][0].index == frames[0].index + 1
+    for name, value in {"delta_bar": 0.1, "E": 71.0, "u_x_max": 20.0, "tolerance": 1e-7, "path": "loop"}.items():
+        with pytest.raises(SceneError, match=f"^{name} = .*: allowed with this checkpoint: .*; give the scene"):
+            advance(SMALL.changed(**{name: value}), checkpoint)
+    done = advance(SMALL, budget=60.0)[1]
+    with pytest.raises(SceneError, match="delta_bar"):
+        advance(DEEPER, done)
+    with pytest.raises(SceneError, match="delta_bar"):
+        skeleton_from(DEEPER, done)
+
+
+def test_a_checkpoint_of_one_measured_profile_refuses_another():
+    def scene(height):
+        return SMALL.changed(
+            surface="measured", measured=Profile(160.0, height * np.sin(2 * np.pi * np.arange(64) / 64))
+        )
+
+    _, checkpoint = advance(scene(1.0), budget=0.0)
+    with pytest.raises(SceneError, match=r"^measured = "):
+        advance(scene(2.0), checkpoint)
+
+
+def test_files_laws_and_derivatives_refuse_the_scene_of_another_run(tmp_path: Path):
+    frames = list(load_path(SMALL))
+    with pytest.raises(SceneError, match=r"delta_bar = 0.1: allowed with this run: 0"):
+        write_npz(tmp_path / "run.npz", DEEPER, frames)
+    with pytest.raises(SceneError, match="delta_bar"):
+        report_of(DEEPER, frames, "fast", 0.0, None)
+    with pytest.raises(SceneError, match="delta_bar"):
+        friction_force(DEEPER, frames)
+    slip = sensitivities(skeleton_of(SMALL), ["E"]).slips[0]
+    assert slip.per_cent(SMALL)["E"].shape == (4,)
+    with pytest.raises(SceneError, match="delta_bar"):
+        slip.per_cent(DEEPER)
+
+
+def test_a_run_under_a_load_continues_from_its_approach():
+    held = simulate(SMALL, load=1.0)
+    assert held.failure is None and held.checkpoint.scene == held.scene
