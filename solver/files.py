@@ -73,7 +73,7 @@ def report_of(
     _refuse_others(scene, frames)
     report = {"method": method, "scene": asdict(scene)}
     ended = {"seconds": seconds, "outcome": str(outcome), "failure": failure, "left_out": left_out(frames)}
-    return report | summarize(frames) | {"cautions": cautions_of(scene, frames)} | ended
+    return report | summarize(frames, outcome) | {"cautions": cautions_of(scene, frames)} | ended
 
 
 @cache

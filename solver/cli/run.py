@@ -9,6 +9,7 @@ from typing import Any
 
 from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
+from ..continuation.state import Outcome
 from ..files import report_of, write_json, write_npz, write_table
 from ..results import Result, ended, with_progress
 from ..run.held_load import held_at
@@ -46,7 +47,7 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    result, interrupted = compute(scene, arguments.method)
+    result = compute(scene, arguments.method)
     frames, failure = result.frames, result.failure
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure, result.outcome)
     caution(sentence for sentence in report["cautions"] if sentence not in before)
@@ -58,21 +59,23 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.json, write_json, report)
     if failure is not None:
         print(failure, file=sys.stderr)
-    return INTERRUPTED if interrupted else 0 if report["converged"] else NOT_CONVERGED
+    if result.outcome is Outcome.INTERRUPTED:
+        return INTERRUPTED
+    return 0 if report["converged"] else NOT_CONVERGED
 
 
-def compute(scene: Scene, method: str) -> tuple[Result, bool]:
-    """(the Result of a whole load path up to its end or a failure, whether it was interrupted)."""
+def compute(scene: Scene, method: str) -> Result:
+    """The Result of a load path, to its end, a failure or an interruption."""
     frames: list[Frame] = []
     try:
         for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
             frames.append(frame)
     except NotConverged as error:
-        return ended(scene, frames, error), False
+        return ended(scene, frames, error)
     except KeyboardInterrupt:
         position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
-        return Result(scene, frames, f"Interrupted {position}; run again to finish"), True
-    return Result(scene, frames), False
+        return Result(scene, frames, f"Interrupted {position}; run again to finish", outcome=Outcome.INTERRUPTED)
+    return Result(scene, frames)
 
 
 def described(report: dict[str, Any], increments: int, parted: str = "") -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import METHODS, Profile, Scene, SceneError, summarize
+from ..continuation.state import Outcome
 from ..files import SCHEMA, origin, plain
 from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
@@ -38,8 +39,8 @@ def verify(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.file!r}: {error.strerror}; {NEEDED}") from None
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
         raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {NEEDED}") from None
-    result, interrupted = compute(scene, report["method"])
-    if interrupted:
+    result = compute(scene, report["method"])
+    if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
     frames, failure = result.frames, result.failure
     after = [frame for frame in frames if frame.stage != "approach"]

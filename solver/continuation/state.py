@@ -27,6 +27,7 @@ class Outcome(StrEnum):
     RESTLESS = "restless"
     OUT_OF_TIME = "out of time"
     LOST = "lost"
+    INTERRUPTED = "interrupted"
 
     @property
     def reached(self) -> bool:
@@ -40,6 +41,7 @@ SENTENCES = {
     Outcome.RESTLESS: "A motion did not come to rest.",
     Outcome.OUT_OF_TIME: "An increment took longer than its limit of time.",
     Outcome.LOST: "No equilibrium was found within the tolerance.",
+    Outcome.INTERRUPTED: "The run was interrupted from outside.",
 }
 
 

@@ -347,6 +347,14 @@ def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_fram
     assert report["evaluations"] > 0
 
 
+def test_a_pull_off_under_a_held_load_is_a_result(call, tmp_path):
+    settings = "nodes=128", "width=320", "radius=1", "du_z=0.2", "du_x=0.2", "hold=load", "delta_bar=-0.1"
+    code, out, err = call("run", "--set", *settings, "--json", tmp_path / "j")
+    report = strict(tmp_path / "j")
+    assert code == 0 and ", converged, " in out and "pulled off at U_x = " in out and "Not conv" not in err
+    assert report["outcome"] == "pulled off" and report["converged"] is True and report["failure"] is None
+
+
 def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
     hasty = dict(METHODS) | {"gfmd": partial(Gfmd, budget=100)}
     monkeypatch.setattr("solver.run.loadpath.METHODS", hasty)
@@ -366,10 +374,12 @@ def test_no_convergence_in_the_approach_still_writes_files(call, tmp_path, cut_s
         assert len(data["U_x"]) == 0
 
 
-def test_an_interrupt_keeps_the_frames_computed(call, tmp_path, cut_short):
+def test_an_interrupt_keeps_the_frames_computed_and_is_named_as_the_outcome(call, tmp_path, cut_short):
     cut_short(KeyboardInterrupt(), 101 + 5)
-    code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c")
+    code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c", "--json", tmp_path / "j")
     assert code == 130
+    report = strict(tmp_path / "j")
+    assert report["outcome"] == "interrupted" and report["converged"] is False and "Interrupted" in report["failure"]
     assert "shear increment 4" in err
     assert len(sheared(tmp_path / "c")) == 5
 
