@@ -50,7 +50,10 @@ class FirstSlip(NamedTuple):
 
 
 class PullOff(NamedTuple):
-    """Where the surfaces part: U_x, delta (nm) of the stage, and F, L (N/m) just before."""
+    """Where the surfaces part: U_x, delta (nm) of the stage, and F, L (N/m) just before; L is the parting load.
+
+    The largest pull of a retraction, `L_min` of `summarize`, comes before and is larger.
+    """
 
     U_x: float
     delta: float

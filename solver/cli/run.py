@@ -87,7 +87,7 @@ def described(report: dict[str, Any], increments: int, parted: str = "") -> str:
     if report["U_s"] is not None:
         first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', 'N/m')}, {shown('A', 'A_s', 'nm')}"
     elif "L_min" in report:
-        first = f"least load of the retraction: {shown('L', 'L_min', 'N/m')}"
+        first = f"largest pull {shown('L', 'L_min', 'N/m')}, parting load {shown('L', 'L_off', 'N/m')}"
     elif report["slips"]:
         first = "none along U_x"
     else:

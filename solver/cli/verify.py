@@ -16,7 +16,7 @@ from ..schema import RETIRED
 from .options import NOT_CONVERGED, InputError
 from .run import compute
 
-SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "slips"  # of a summary
+SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "L_off", "slips"  # of a summary
 NUMBERS = "U_x", "delta", "F", "L", "A"  # of an event or a frame
 NEEDED = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
 
@@ -82,14 +82,15 @@ def _read(file):
         print(f"{name} = {given.pop(name)}: {RETIRED[name]}")
     if measured := given.pop("measured", None):
         given["measured"] = Profile(measured["length"], measured["heights"], tuple(measured["notes"]))
-    recorded = {name: arrays[name] for name in (*NUMBERS, "u", "T")} if arrays else _numbers(report)
+    written = [name for name in SUMMARY if name in report]  # a file of an earlier version has fewer
+    recorded = {name: arrays[name] for name in (*NUMBERS, "u", "T")} if arrays else _numbers(report, written)
     return report, Scene(**given), {name: np.asarray(values, float) for name, values in recorded.items()}
 
 
-def _numbers(report):
+def _numbers(report, names=SUMMARY):
     """{quantity: values} of a summary with its events."""
     events = {f"events: {name}": [event[name] for event in report["events"] if name in event] for name in NUMBERS}
-    return {name: [report.get(name)] for name in SUMMARY} | events
+    return {name: [report.get(name)] for name in names} | events
 
 
 def _difference(a, b):

@@ -108,8 +108,9 @@ def summarize(frames: Sequence[Frame], outcome: Outcome = Outcome.FINISHED) -> d
 
     Example: `summarize(simulate(Scene()).frames)["U_s"]`
 
-    A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min (N/m), the
-    least load of a retraction, exists only with a stage 'unload'.
+    A jump where a held load takes over ("control") counts among the slips, but is not the first one. Only a stage
+    'unload' has L_min (N/m), the largest pull: the least load of the retraction; and L_off (N/m), the parting load:
+    that just before the surfaces part, None where they do not.
     """
     least = least_force(frames)
     events = [values_of(f, event, least) for f in frames for event in f.slips]
@@ -131,7 +132,8 @@ def summarize(frames: Sequence[Frame], outcome: Outcome = Outcome.FINISHED) -> d
         "A_s": first.get("A"),
     }
     if retraction := [f.L for f in after if f.stage.kind == "unload"]:
-        summary["L_min"] = min(retraction)
+        parted = (event["L"] for event in events if event["kind"] == "pull-off")
+        summary |= {"L_min": min(retraction), "L_off": next(parted, None)}
     return summary
 
 

@@ -105,6 +105,9 @@ def test_slips_of_a_retraction_have_their_indentation():
     assert off["kind"] == "pull-off" and cycle.table["L (N/m)"].min() <= off["L_s (N/m)"] < 0.0
     assert (cycle.slips["kind"] == "pull-off").sum() == 1
     assert list(cycle.pull_off) == [0.0, off["delta_s (nm)"], off["F_s (N/m)"], off["L_s (N/m)"]]
+    numbers = summarize(cycle.frames)
+    assert numbers["L_off"] == cycle.pull_off.L  # the parting load; the largest pull comes before, a fifth larger
+    assert numbers["L_min"] == cycle.table["L (N/m)"].min() < 1.1 * numbers["L_off"] < 0.0
     oblique = simulate(SMALL.changed(path="points", points="0,-1; 0,0.1; 10,0.2"))
     last = oblique.slips.iloc[-1]
     assert last["delta_s (nm)"] == pytest.approx(1.0 + last["U_s (nm)"] * 0.1)  # 1 nm deeper in 10

@@ -240,7 +240,9 @@ def test_pull_off_is_mapped_from_retractions():
     scene = SMALL.changed(path="unload", du_z=0.5, delta_bar=0.1)
     grid = Map(scene, PRESS, Axis("phi_n", 1.0, 2.0, 2))
     found = [computed_point(grid.task((0, j), {}))[0] for j in (0, 1)]
-    assert found[0].L_min > found[1].L_min == summarize(list(load_path(scene)))["L_min"]  # less adhesion first
+    numbers = summarize(list(load_path(scene)))
+    assert found[0].L_min > found[1].L_min == numbers["L_min"]  # less adhesion first
+    assert found[1].L_off == numbers["L_off"]
 
 
 @pytest.mark.parametrize(

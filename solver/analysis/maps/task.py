@@ -105,7 +105,7 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
         skeleton = _skeleton(scene, checkpoint)
     if scene.path == "unload" and not reason:
         summary = summarize(frames)
-        numbers = {"regime": STICKS, "A_0": summary["A_0"], "L_min": summary["L_min"]}
+        numbers = {"regime": STICKS} | {name: summary[name] for name in ("A_0", "L_min", "L_off")}
     else:
         numbers = _of_shear(sheared, skeleton, reason, off)
     return Point(**numbers, evaluations=spent), skeleton
