@@ -24,7 +24,7 @@ from .comparison import Comparison, compared
 from .fit import Fit, alike, check_plausible, fit, uncertainty
 from .measurement import Measurement
 from .recording import Recording
-from .trial import NO_RUN
+from .trial import NO_RUN, inside
 
 Floats = NDArray[np.float64]
 POINTS = (25, 13, 5)  # of the running means, in turn; odd
@@ -87,21 +87,21 @@ class LoopModel:
 
         Without derivatives where the `limit` (s) stopped it. Raises OutOfTime.
         """
-        low, high = np.array([(LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
+        bounds = np.array([(LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
         try:
             for points in means:
-                self.best = None
+                self.best, size = None, np.maximum(np.abs(x), 0.1)
                 found = least_squares(
-                    self.residuals, np.clip(x, low, high), self.jacobian, bounds=(low, high), loss="soft_l1",
-                    x_scale=np.maximum(np.abs(x), 0.1), xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
+                    self.residuals, inside(x, bounds, size), self.jacobian, bounds=bounds, loss="soft_l1",
+                    x_scale=size, xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
                 )  # fmt: skip
                 x = found.x
+            return self.jacobian(x, means[-1]), ""  # that of `least_squares` is scaled by the loss
         except TimeoutError:
             if self.best is None:
                 reason = f"no run of the loop was computed within {limit:g} s; allow more, or raise E"
                 raise OutOfTime(reason) from None
             return None, f"stopped after {limit:g} s: the values are the best so far"
-        return found.jac, ""
 
 
 def comparison_at(scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...]) -> Comparison:

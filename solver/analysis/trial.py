@@ -26,6 +26,7 @@ RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
 # measured U_x = U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar
 AXES = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}
+OFF = 0.1  # typical sizes from the end of a range at which a search starts; from the end itself it never leaves it
 # of parameters that may be 0: an indentation of delta_n, a part of a lattice period in nm; offset_F: of the range of F
 SIZES = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1}
 
@@ -46,6 +47,14 @@ class Trial(NamedTuple):
     def cost(self) -> float:
         """Half the sum of squares."""
         return 0.5 * float(self.residuals @ self.residuals)
+
+
+def inside(x: Floats, bounds: Floats, sizes: Floats) -> Floats:
+    """x (n,) within bounds (2, n), OFF typical sizes (n,) from an end at which it lies: there steps have no room."""
+    low, high = bounds
+    off = np.minimum(OFF * sizes, 0.5 * (high - low))
+    close = 1e-3 * off
+    return np.where(x <= low + close, low + off, np.where(x >= high - close, high - off, x))
 
 
 class Model:
@@ -73,8 +82,8 @@ class Model:
         self.skeleton = skeleton
 
     def start(self) -> Floats:
-        """Parameters x (n,) of the scene."""
-        return np.clip([self._first(name) for name in self.free], *self.bounds())
+        """Parameters x (n,) of the scene, off the ends of their ranges."""
+        return inside(np.array([self._first(name) for name in self.free]), self.bounds(), self.sizes())
 
     def _first(self, name):
         return AXES[name] if name in AXES else getattr(self.scene, name)

@@ -67,6 +67,14 @@ def test_a_fit_recovers_two_parameters_from_another_start(skeleton):
         assert 0.0 < result.errors[name] < 0.1 * getattr(SMALL, name)
 
 
+@pytest.mark.parametrize("name, truth, end", [("nu", 0.3, 0.0), ("nu", 0.3, 0.4999), ("phi_ratio", 0.5, 0.0)])
+def test_a_fit_that_starts_at_the_end_of_a_range_leaves_it(name, truth, end):
+    """From the end itself the optimiser never moved; four standard errors: by chance once in 16,000."""
+    data = measured(skeleton_of(SMALL.changed(**{name: truth})))
+    result = fit(SMALL.changed(**{name: end}), data, [name])
+    assert result.reached and abs(result.values[name] - truth) < 4.0 * result.errors[name] < 0.1 * truth
+
+
 def test_a_fit_reaches_stick_slip_from_smooth_sliding():
     weak = SMALL.changed(phi_ratio=0.1)
     from_start = weak.changed(phi_ratio=0.02)
