@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .inverse import Inverse, orthonormalise
+from .inverse import Inverse
 from .state import ROUND_OFF, TINY
+from .vectors import orthonormalise
 
 UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
 
