@@ -17,7 +17,7 @@ scene                           the Scene
 text, profile, presets          scenes from text, profiles from files, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem
 mechanics/                      the physics: NP1 law, elastic layer, contact
-threads, executors              one BLAS thread; many calls on an executor of `concurrent.futures`
+threads, executors              one BLAS thread, errors as by default; many calls on an executor of `concurrent.futures`
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
 cautions, plots                 sentences on choices that affect a result; plots

@@ -26,7 +26,7 @@ from .run.loadpath import Checkpoint, Run, deadline
 from .run.summary import curves_of, fields_of, first_slip_in, kind_of, least_force, values_of
 from .scene import Scene
 from .text import counted
-from .threads import one_thread
+from .threads import computation
 
 if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
     import holoviews as hv
@@ -235,7 +235,7 @@ def time_limit(scene: Scene) -> float:
     return SOFT_LIMIT if scene.phi_n > scene.E * scene.delta_n else inf
 
 
-@one_thread()
+@computation
 def simulate(
     scene: Scene | None = None, progress: bool = False, load: float | None = None, limit: float | None = None
 ) -> Result:

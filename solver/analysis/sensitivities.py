@@ -30,7 +30,7 @@ from ..run.frame import SlipEvent, forces_and_area, slips_in
 from ..run.load_steps import sideways
 from ..scene import LIMITS, Scene, refuse_other
 from ..schema import unknown_name
-from ..threads import one_thread
+from ..threads import computation
 from .partial import Change, continuous, explicit, gradients, over_own, spectra
 
 Floats = NDArray[np.float64]
@@ -101,7 +101,7 @@ class Sensitivities:
     branches: tuple[BranchSensitivity, ...]
 
 
-@one_thread()
+@computation
 def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
     """Derivatives of the slips and curves of a run by its parameters.
 

@@ -9,7 +9,7 @@ from ..continuation.trace import Trace
 from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
 from ..scene import Scene, refuse_other
-from ..threads import one_thread
+from ..threads import computation
 from .follow import moved_at_once
 from .moved import NotFollowed
 from .refinement import forces_of, thinned
@@ -41,7 +41,7 @@ def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
     return replace(skeleton, evaluations=skeleton.evaluations + spent)
 
 
-@one_thread()
+@computation
 def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     """Describes a run by its branches: evaluates each state, and solves those that do not hold.
 

@@ -17,7 +17,7 @@ from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
 from ..scene import Scene, refuse_other
-from ..threads import one_thread
+from ..threads import computation
 from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
@@ -116,7 +116,7 @@ class Run:
             frame, checkpoint = self.next_frame(checkpoint, observe or deadline(limit))
             yield frame, checkpoint
 
-    @one_thread()
+    @computation
     def next_frame(self, checkpoint, observe=None) -> tuple[Frame, Checkpoint]:
         """(frame, checkpoint) of the increment that `checkpoint` stands before.
 

@@ -8,13 +8,13 @@ from typing import Any
 
 from ..continuation.state import NotConverged, Outcome
 from ..scene import Scene
-from ..threads import one_thread
+from ..threads import computation
 from .frame import Frame, slides_in
 from .loadpath import Checkpoint, Run
 from .summary import first_slip_in
 
 
-@one_thread()
+@computation
 def advance(
     scene: Scene,
     checkpoint: Checkpoint | None = None,

@@ -5,7 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver import Profile, Scene, SceneError, advance, load_path, sensitivities, simulate, skeleton_from, skeleton_of
+from solver import (
+    Profile,
+    Scene,
+    SceneError,
+    advance,
+    follow,
+    load_path,
+    sensitivities,
+    simulate,
+    skeleton_from,
+    skeleton_of,
+    sweep,
+    whole_surface,
+)
 from solver.analysis.friction_laws import friction_force
 from solver.files import report_of, write_npz
 
@@ -54,3 +67,19 @@ def test_files_laws_and_derivatives_refuse_the_scene_of_another_run(tmp_path: Pa
 def test_a_run_under_a_load_continues_from_its_approach():
     held = simulate(SMALL, load=1.0)
     assert held.failure is None and held.checkpoint.scene == held.scene
+
+
+def test_a_user_who_lets_numpy_raise_gets_the_same_numbers():
+    """Underflow is meant: springs far apart pull with exp(-gap). The setting is the user's again afterwards."""
+    expected = simulate(SMALL)
+    with np.errstate(all="raise"):
+        result = simulate(SMALL)
+        assert np.geterr()["under"] == "raise"
+        assert repr(result) == repr(expected) and result.table.equals(expected.table)
+        followed = follow(skeleton_of(SMALL), SMALL.changed(E=72.0))
+        assert (
+            sensitivities(followed, ["E"]).slips
+            and result.stress(5.0).zz.size
+            and whole_surface(result.frames[-1]).size
+        )
+        assert list(sweep(SMALL, E=[70.0])["outcome"]) == ["slips"] and len(advance(SMALL)[0]) > 0

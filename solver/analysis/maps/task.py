@@ -14,7 +14,7 @@ from ...run.frame import slips_in
 from ...run.loadpath import until
 from ...run.summary import summarize
 from ...scene import Scene, SceneError
-from ...threads import one_thread
+from ...threads import computation
 from .point import DETACHES, NEVER_TOUCHES, NO_RESULT, STICKS, Point, at_slip, of_skeleton, touches
 
 # of U_s: a followed point may lie so far outside the range of U_s of the points around it, which may be nearly equal.
@@ -46,7 +46,7 @@ class Task:
         return self.scene.changed(**dict(self.values))
 
 
-@one_thread()
+@computation
 def computed_point(task: Task) -> Outcome:
     """(Point, its Skeleton or None) of a Task."""
     try:
