@@ -23,12 +23,13 @@ from .measurement import JUMP, Measurement
 from .partial import DRIVE, continuous
 from .prediction import AHEAD
 from .recording import Recording
-from .trial import AXES, NO_RUN, Model
+from .trial import AXES, NO_RUN, Model, inside
 
 APART = 0.99  # correlation from which a fit warns: each parameter then has 7 times the error it has alone
 FLAT = 1e-12  # eigenvalues below are round-off, of the normal matrix scaled to a unit diagonal
 LIMIT = 60.0  # s, of a fit: about as long as somebody waits
 PEAK = (2.0 / exp(1.0)) ** 0.5  # of one spring's shear traction over phi_t/delta_t
+SAME = 4.0  # standard errors, within which two searches found the same minimum
 FAR = 1e3  # factor between a measured force and that of the interface beyond which its unit is wrong
 UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong to the measurement
 
@@ -37,8 +38,9 @@ UNITS = {"offset_U": "nm", "offset_F": "wE"}  # of free parameters that belong t
 class Fit:
     """Values and standard errors in the units of Scene (offset_U nm, offset_F as F_bar), correlations (n, n).
 
-    chi2: per degree of freedom; reached: whether the curve fits within its noise; runs: trials computed. rows: (U_x,
-    quantity, measured, model) of every point; residuals (k,): over the noise, those of slips last.
+    chi2: per degree of freedom; reached: whether the curve fits within its noise; runs: trials computed; given: other
+    parameters that change the curve nearly as the free ones do, "E = 70": make sure of them. rows: (U_x, quantity,
+    measured, model) of every point; residuals (k,): over the noise, those of slips last.
     """
 
     values: dict[str, float]
@@ -48,6 +50,7 @@ class Fit:
     reached: bool
     runs: int
     warnings: tuple[str, ...]
+    given: tuple[str, ...]
     rows: list[tuple[float, str, float, float]]
     residuals: NDArray[np.float64]
 
@@ -58,7 +61,9 @@ class Fit:
         ]
         fits = "fits within the noise" if self.reached else "does not fit within the noise"
         verdict = f"The curve {fits}: chi^2 = {self.chi2:.3g} per degree of freedom, {self.runs} runs"
-        return "\n".join([*lines, verdict, *(f"Caution: {each}" for each in self.warnings)])
+        given = [f"Given: {', '.join(self.given)}; another value changes the curve nearly as the free parameters do"]
+        cautions = (f"Caution: {each}" for each in self.warnings)
+        return "\n".join([*lines, verdict, *cautions, *given * bool(self.given)])
 
 
 def fit(
@@ -74,8 +79,9 @@ def fit(
     `read_measurement`, friction in N/m or a loop, or what that reads; free: names of continuous parameters, or of AXES
     but for a loop; limit: time limit, s; executor: any of `concurrent.futures`, which computes the runs of a loop's
     derivatives at once (one stroke needs none).
-    Returns a Fit: values, standard errors, correlations, and warnings about what the data do not determine, and about
-    given parameters that could explain the same curve.
+    Returns a Fit: values, standard errors, correlations, warnings about what the data do not determine, and the given
+    parameters that could explain the same curve. A fit without a warning is repeated from the other side of each
+    parameter, which finds a second minimum within the noise.
     Raises TypeError for a scene that is none; ValueError for names that cannot be free, or none, for an unusable file,
     and for a curve whose sign, origin or unit no parameters explain; NotFollowed, NotConverged or
     SceneError where the start has no run, OutOfTime where it has none in time.
@@ -91,7 +97,8 @@ def fit(
     longest = max(float(data.U_x[-1]), scene.u_x_max)
     if "offset_U" in free:  # points move along the curve
         longest *= AHEAD
-    base, end = scene.changed(u_x_max=longest, path="shear"), perf_counter() + limit
+    base, begun = scene.changed(u_x_max=longest, path="shear"), perf_counter()
+    end = begun + limit
     model = Model(base, data, tuple(free), end)
     trial, caution = _optimum(model, limit)
     if data.slips and not _fits(trial) and perf_counter() < end:  # slips may be missed, or be none
@@ -99,7 +106,44 @@ def fit(
         other, its_caution = _optimum(uncut, limit)
         if _chi2(other) < _chi2(trial):
             model, trial, caution = uncut, other, its_caution
-    return _fit_of(model, trial, caution)
+    found = _fit_of(model, trial, caution)
+    if not found.reached or found.warnings or perf_counter() > end:
+        return found
+    return _checked(model, trial, found, limit, perf_counter() - begun)
+
+
+def _checked(model, trial, found, limit, spent):
+    """The Fit, or that of a better minimum; searches from both sides tell whether others fit within the noise.
+
+    Each search takes at most as long as the first one, `spent` s.
+    """
+    best, second, runs = trial, None, model.runs
+    errors = np.array(list(found.errors.values()))
+    for side in (-1.0, 1.0):
+        other = Model(model.scene, model.measured, model.free, min(model.end, perf_counter() + spent))
+        other.restart(trial.predicted.skeleton)
+        try:
+            again, caution = _optimum(other, limit, _side(model, trial.x, side))
+        except (*NO_RUN, OutOfTime):
+            again, caution = trial, ""
+        runs += other.runs
+        if not caution and _fits(again) and (np.abs(again.x - trial.x) > SAME * errors).any():
+            second = again
+    if second is None:
+        return replace(found, runs=runs)
+    if second.cost < trial.cost:
+        best, second = second, trial
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in zip(model.free, second.x, strict=True))
+    warning = f"the curve at {values} fits within the noise, too; fix one of these, or measure L or A as well"
+    found = _fit_of(model, best, "")
+    return replace(found, runs=runs, warnings=(warning, *found.warnings))
+
+
+def _side(model, x, side):
+    """A start (n,) beyond the optimum x (n,), seen from the first start (1), or beyond that start (-1)."""
+    step, size = x - model.start(), model.sizes()
+    far = np.clip((1.5 - 0.5 * side) * np.abs(step), 0.3 * size, (0.75 - 0.25 * side) * size)
+    return inside(x + side * np.copysign(far, step), model.bounds(), size)
 
 
 def _fitted(scene, measured, free):
@@ -136,9 +180,12 @@ def check_plausible(scene: Scene, measured: Measurement) -> None:
         raise DataError(f"{reason}; check the unit of F, which is a force over the width across the pull")
 
 
-def _optimum(model, limit):
-    """(the best Trial of a Model, of an exact run if there is one; what limits its value, or ""). Raises as `fit`."""
-    x, trial = model.start(), None
+def _optimum(model, limit, start=None):
+    """(the best Trial of a Model, of an exact run if there is one; what limits its value, or ""). Raises as `fit`.
+
+    start (n,): by default that of the Model.
+    """
+    x, trial = model.start() if start is None else start, None
     try:
         for _ in range(4):  # a search that has not settled after two corrections by an exact run goes to and fro
             # one that converges takes some 6 trials; with 400 points ftol is a change by 0.003 standard errors
@@ -189,9 +236,11 @@ def _fit_of(model, trial, caution):
         misfit = f"the best curve does not fit: chi^2 is {chi2:.3g} per degree of freedom"
         warnings.append(f"{misfit}; {_remedy(model, trial)}")
     warnings += _of_slips(model, trial) + _of_parameters(model, trial, errors, correlations)
-    warnings += _given(model, trial) if reached else []
+    given = _given(model, trial) if reached else ()
     named = [dict(zip(model.free, map(float, numbers), strict=True)) for numbers in (trial.x, errors)]
-    return Fit(*named, correlations, chi2, reached, model.runs, tuple(warnings), _rows(model, trial), trial.residuals)
+    return Fit(
+        *named, correlations, chi2, reached, model.runs, tuple(warnings), given, _rows(model, trial), trial.residuals
+    )
 
 
 def uncertainty(jacobian: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -260,18 +309,15 @@ def alike(free: Sequence[str], correlations: NDArray[np.float64]) -> list[str]:
 
 
 def _given(model, trial):
-    """A warning about fixed parameters that change the curve nearly as the free ones do: a wrong value stays hidden."""
+    """Fixed parameters that change the curve nearly as the free ones do, "E = 70": a wrong value stays hidden."""
     scene, n = trial.predicted.skeleton.scene, len(model.free)
     fixed = tuple(name for name in continuous(scene) if name not in model.free)
     x = np.array([*trial.x, *(getattr(scene, name) for name in fixed)])
     try:
         slopes = Model(scene, model.measured, model.free + fixed).trial(x, trial.predicted.skeleton).jacobian
     except NO_RUN:  # these derivatives are a check only
-        return []
+        return ()
     slopes /= np.maximum(np.linalg.norm(slopes, axis=0), TINY)
     along = slopes[:, :n] @ np.linalg.lstsq(slopes[:, :n], slopes[:, n:], rcond=FLAT)[0]
     alike = [name for name, share in zip(fixed, np.linalg.norm(along, axis=0), strict=True) if share > APART]
-    if not alike:
-        return []
-    values = ", ".join(f"{name} = {getattr(scene, name):.4g}" for name in alike)
-    return [f"given {values}: another value changes the curve nearly as the free parameters do; make sure of it"]
+    return tuple(f"{name} = {getattr(scene, name):.4g}" for name in alike)

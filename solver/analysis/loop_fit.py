@@ -169,4 +169,4 @@ def fit_of_loop(
     rows = [
         (U_x, f"{name}_bar", seen / units[name], computed / units[name]) for _, U_x, name, seen, computed in found.rows
     ]
-    return Fit(found_at, errors, correlations, chi2, reached, len(model.done), tuple(warnings), rows, off)
+    return Fit(found_at, errors, correlations, chi2, reached, len(model.done), tuple(warnings), (), rows, off)
