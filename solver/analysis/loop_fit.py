@@ -21,9 +21,9 @@ from ..scene import LIMITS, Scene
 from ..tables import DataError
 from ..text import counted
 from .comparison import Comparison, compared
-from .fit import Fit, alike, check_plausible, fit, uncertainty
 from .measurement import Measurement
 from .recording import Recording
+from .stroke_fit import Fit, alike, check_plausible, fit_of_stroke, uncertainty
 from .trial import NO_RUN, inside
 
 Floats = NDArray[np.float64]
@@ -148,7 +148,7 @@ def fit_of_loop(
         stroke = Measurement.of(first.x[order], values, unit=unit)
         check_plausible(scene, stroke)
         try:
-            start, near = np.array(list(fit(scene, stroke, free, 0.5 * limit).values.values())), True
+            start, near = np.array(list(fit_of_stroke(scene, stroke, free, 0.5 * limit).values.values())), True
         except (*NO_RUN, TimeoutError):  # then the search begins where the scene is
             pass
     model = LoopModel(scene, measured, free, perf_counter() + limit, executor)
