@@ -24,8 +24,8 @@ from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
 from .run.loadpath import Checkpoint, Run, deadline
 from .run.summary import curves_of, fields_of, first_slip_in, kind_of, least_force, values_of
-from .scene import Scene
-from .text import counted
+from .scene import Scene, checked_scene
+from .text import counted, in_ascii
 from .threads import computation
 
 if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
@@ -223,7 +223,7 @@ class Result:
         return [*lines, *self.notes]
 
     def __repr__(self) -> str:
-        return "\n".join(self._lines)
+        return in_ascii("\n".join(self._lines))  # a file on Windows may hold ASCII only
 
     def _repr_html_(self) -> str:
         """The lines of `print`, and F over the path as a small curve."""
@@ -247,11 +247,11 @@ def simulate(
     layer takes thousands of force evaluations).
     Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, `outcome` says how, and
     `failure` has the reason and a remedy. A contact that pulls off under its held load is no failure: see `pull_off`.
-    Raises SceneError for a load that the approach does not reach.
+    Raises SceneError for a load that the approach does not reach, TypeError for a scene that is none.
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
-    frames, checkpoint, scene = list[Frame](), None, scene or Scene()
+    frames, checkpoint, scene = list[Frame](), None, checked_scene(Scene() if scene is None else scene)
     observe = deadline(time_limit(scene) if limit is None else limit, inf)
     try:
         if load is not None:

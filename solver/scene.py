@@ -326,6 +326,14 @@ class Scene:
         return {name: getattr(self, name) for name in PARAMETERS if getattr(self, name) != getattr(other, name)}
 
 
+def checked_scene(scene: object) -> Scene:
+    """The scene itself; raises TypeError, which names what to pass, for what is none."""
+    if isinstance(scene, Scene):
+        return scene
+    values = ", ".join(f"{name}={value!r}" for name, value in scene.items()) if isinstance(scene, dict) else ""
+    raise TypeError(f"scene = {reprlib.repr(scene)}: allowed: a Scene; write Scene({values})")
+
+
 def refuse_other(scene: Scene, of: Scene | None, what: str) -> None:
     """Raises SceneError where `of`, the scene that `what` belongs to, is another one; None belongs to any scene."""
     if of is None or of is scene or of == scene:

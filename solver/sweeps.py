@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .continuation.state import Outcome
 from .results import FIRST, first_of
 from .run.slices import first_slip
-from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError, checked_scene
 from .schema import unknown_name
 
 if TYPE_CHECKING:  # `import solver` needs numerics only
@@ -33,7 +33,7 @@ def sweep(scene: Scene | None = None, executor: Executor | None = None, **values
     """
     import pandas as pd
 
-    combinations, scenes = _swept(scene or Scene(), values)
+    combinations, scenes = _swept(checked_scene(Scene() if scene is None else scene), values)
     found = map(row_of, scenes) if executor is None else executor.map(row_of, scenes)
     rows = [given | row for given, row in zip(combinations, found, strict=True)]
     return pd.DataFrame(rows, columns=[*values, *FIRST, "outcome"])

@@ -17,6 +17,7 @@ from scipy.optimize import least_squares
 from ..continuation.state import TINY, OutOfTime
 from ..scene import LIMITS, Scene
 from ..tables import DataError
+from ..text import in_ascii
 from .measurement import JUMP, Measurement
 from .partial import continuous
 from .prediction import AHEAD
@@ -59,7 +60,7 @@ class Fit:
         verdict = f"The curve {fits}: chi^2 = {self.chi2:.3g} per degree of freedom, {self.runs} runs"
         given = [f"Given: {', '.join(self.given)}; another value changes the curve nearly as the free parameters do"]
         cautions = (f"Caution: {each}" for each in self.warnings)
-        return "\n".join([*lines, verdict, *cautions, *given * bool(self.given)])
+        return in_ascii("\n".join([*lines, verdict, *cautions, *given * bool(self.given)]))
 
 
 def fit_of_stroke(scene: Scene, data: Measurement, free: tuple[str, ...], limit: float) -> Fit:

@@ -15,7 +15,7 @@ from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
 from ..run.load_steps import sideways, vertical
-from ..scene import CHOICES, LIMITS, Scene, SceneError
+from ..scene import CHOICES, LIMITS, Scene, SceneError, checked_scene
 from ..threads import computation
 from .moved import NotFollowed, Solver, moved_branch, moved_folds
 from .refinement import refined
@@ -46,6 +46,7 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
 
     Example: `follow(skeleton_of(Scene()), Scene(E=72.0)).slips`
     """
+    checked_scene(scene)
     for name in DISCRETE:
         if getattr(skeleton.scene, name) != getattr(scene, name):
             raise NotFollowed(f"{name} does not change continuously")

@@ -8,7 +8,7 @@ import numpy as np
 from ..continuation.trace import Trace
 from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
-from ..scene import Scene, refuse_other
+from ..scene import Scene, checked_scene, refuse_other
 from ..threads import computation
 from .follow import moved_at_once
 from .moved import NotFollowed
@@ -69,7 +69,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
 
 
 def _refuse_path(scene):
-    if scene.path != "shear":
+    if checked_scene(scene).path != "shear":
         raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
 
 

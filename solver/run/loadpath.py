@@ -16,7 +16,7 @@ from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
-from ..scene import Scene, refuse_other
+from ..scene import Scene, checked_scene, refuse_other
 from ..threads import computation
 from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
@@ -100,7 +100,7 @@ class Run:
     def __init__(self, scene, method="fast", replay=True):
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
-        self.scene, self.method, self.replay = scene, method, replay
+        self.scene, self.method, self.replay = checked_scene(scene), method, replay
         self._fast, self.patch = method == "fast", patch(scene)
         self.stepper = self.done = self._place = None  # _place: load step and pressure that the stepper is for
 

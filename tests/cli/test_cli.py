@@ -40,6 +40,7 @@ from solver.continuation.gfmd import Gfmd
 from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
 from solver.scene import CHOICES, PARAMETERS
+from solver.text import in_ascii
 
 ROOT = Path(__file__).parents[2]
 SMALL = ("nodes=64", "width=160", "u_x_max=2")
@@ -331,6 +332,15 @@ def cut_short(monkeypatch):
         monkeypatch.setattr(run, "load_path", failing)
 
     return cut
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "cp437"])
+def test_units_keep_their_names_in_an_encoding_without_their_letters(encoding):
+    command, settings = [sys.executable, "-m", "solver", "parameters"], os.environ | {"PYTHONIOENCODING": encoding}
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, env=settings, check=True).stdout.decode(encoding)
+    assert "?" not in listed
+    lines = dict(line.split(" ", 1) for line in listed.splitlines() if line[0] != " ")
+    assert in_ascii(lines["du_x"]).strip() == "0.001 .. 1 delta_t, default 0.1"
 
 
 def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_frames_before(call, tmp_path, cut_short):

@@ -19,7 +19,9 @@ from solver import (
     sweep,
     whole_surface,
 )
+from solver.analysis.fit import fit
 from solver.analysis.friction_laws import friction_force
+from solver.analysis.measurement import Measurement
 from solver.files import report_of, write_npz
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=12.0)
@@ -83,3 +85,25 @@ def test_a_user_who_lets_numpy_raise_gets_the_same_numbers():
             and whole_surface(result.frames[-1]).size
         )
         assert list(sweep(SMALL, E=[70.0])["outcome"]) == ["slips"] and len(advance(SMALL)[0]) > 0
+
+
+def test_a_dict_in_place_of_a_scene_is_answered_by_what_to_write():
+    with pytest.raises(TypeError, match=r"^scene = \{'E': 60.0\}: allowed: a Scene; write Scene\(E=60.0\)$"):
+        simulate({"E": 60.0})
+    for entry in (load_path, advance, sweep, skeleton_of, lambda scene: follow(skeleton_of(SMALL), scene)):
+        with pytest.raises(TypeError, match="allowed: a Scene; write Scene"):
+            list(entry({}))
+
+
+def test_results_are_printed_in_ascii_whatever_their_cautions_hold():
+    """Output to a file on Windows may be cp1252 or cp437; a caution of this soft scene names phi_t and delta_t."""
+    result = simulate(SMALL.changed(E=5.0, u_x_max=2.0))
+    shown = repr(result)
+    assert shown.isascii() and "phi_t/(E delta_t)" in shown and "φ" in "".join(result.cautions)
+    shown = repr(fit(SMALL, curve(SMALL), ["delta_bar"]))
+    assert shown.isascii() and "delta_0" in shown
+
+
+def curve(scene):
+    U_x = np.linspace(0.1, scene.u_x_max, 60)
+    return Measurement.of(U_x, {"F_bar": skeleton_of(scene).curve(U_x)[0]})
