@@ -13,7 +13,7 @@ from .recording import Recording
 from .stroke_fit import Fit, fit_of_stroke
 from .trial import AXES
 
-LIMIT = 60.0  # s, of a fit: about as long as somebody waits
+LIMIT = 60.0  # s of processor time, of a fit: on a quiet machine about as long as somebody waits
 
 
 def fit(
@@ -27,7 +27,7 @@ def fit(
 
     Parameters: scene: where the search starts, and the values of all other parameters; measured: as of
     `read_measurement`, friction in N/m or a loop, or what that reads; free: names of continuous parameters, or of AXES
-    but for a loop; limit: time limit, s; executor: any of `concurrent.futures`, which computes the runs of a loop's
+    but for a loop; limit: processor time, s; executor: any of `concurrent.futures`, which computes the runs of a loop's
     derivatives at once (one stroke needs none).
     Returns a Fit: values, standard errors, correlations, warnings about what the data do not determine, and the given
     parameters that could explain the same curve. A fit without a warning is repeated from the other side of each

@@ -8,7 +8,7 @@ Source of the method: Branch, Coleman & Li 1999, doi:10.1137/S1064827595289108 (
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import exp
-from time import perf_counter
+from time import thread_time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,19 +69,19 @@ def fit_of_stroke(scene: Scene, data: Measurement, free: tuple[str, ...], limit:
     longest = max(float(data.U_x[-1]), scene.u_x_max)
     if "offset_U" in free:  # points move along the curve
         longest *= AHEAD
-    base, begun = scene.changed(u_x_max=longest, path="shear"), perf_counter()
+    base, begun = scene.changed(u_x_max=longest, path="shear"), thread_time()
     end = begun + limit
     model = Model(base, data, free, end)
     trial, caution = _optimum(model, limit)
-    if data.slips and not _fits(trial) and perf_counter() < end:  # slips may be missed, or be none
+    if data.slips and not _fits(trial) and thread_time() < end:  # slips may be missed, or be none
         uncut = Model(base, replace(data, slips=()), free, end)
         other, its_caution = _optimum(uncut, limit)
         if _chi2(other) < _chi2(trial):
             model, trial, caution = uncut, other, its_caution
     found = _fit_of(model, trial, caution)
-    if not found.reached or found.warnings or perf_counter() > end:
+    if not found.reached or found.warnings or thread_time() > end:
         return found
-    return _checked(model, trial, found, limit, perf_counter() - begun)
+    return _checked(model, trial, found, limit, thread_time() - begun)
 
 
 def _checked(model, trial, found, limit, spent):
@@ -92,7 +92,7 @@ def _checked(model, trial, found, limit, spent):
     best, second, runs = trial, None, model.runs
     errors = np.array(list(found.errors.values()))
     for side in (-1.0, 1.0):
-        other = Model(model.scene, model.measured, model.free, min(model.end, perf_counter() + spent))
+        other = Model(model.scene, model.measured, model.free, min(model.end, thread_time() + spent))
         other.restart(trial.predicted.skeleton)
         try:
             again, caution = _optimum(other, limit, _side(model, trial.x, side))

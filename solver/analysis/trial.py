@@ -1,7 +1,7 @@
 """A trial of a fit: residuals of the predicted curve over the noise of the data, with their derivatives."""
 
 from math import inf
-from time import perf_counter
+from time import thread_time
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from .sensitivities import sensitivities
 Floats = NDArray[np.float64]
 EXACT = 1e-4  # of the node spacing: a slip cannot be measured more exactly
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
-RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
+RUN_LIMIT = 20.0  # s of processor time, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
 # measured U_x = U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar
 AXES = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}
@@ -60,8 +60,8 @@ def inside(x: Floats, bounds: Floats, sizes: Floats) -> Floats:
 class Model:
     """Residuals and derivatives as functions of the free parameters; each run is continued from the last one.
 
-    scene: values of the other parameters. end: time (perf_counter) after which TimeoutError is raised. best: the Trial
-    of least cost since `restart`; runs: trials computed so far.
+    scene: values of the other parameters. end: processor time of this thread (`thread_time`) after which TimeoutError
+    is raised. best: the Trial of least cost since `restart`; runs: trials computed so far.
     """
 
     def __init__(self, scene: Scene, measured: Measurement, free: tuple[str, ...], end: float = inf):
@@ -116,7 +116,7 @@ class Model:
     def _trial(self, x):
         """The Trial of x, and remember it."""
         if self.last is None or not np.array_equal(x, self.last.x):
-            if perf_counter() > self.end:
+            if thread_time() > self.end:
                 raise TimeoutError
             self.skeleton = self._run(self.scene_of(x))
             self.last = self.trial(x, self.skeleton)
@@ -141,7 +141,7 @@ class Model:
 
     def exact(self, scene: Scene) -> Skeleton:
         """The Skeleton of a scene from a run within the time left; raises as `skeleton_of`, and TimeoutError."""
-        left = self.end - perf_counter()
+        left = self.end - thread_time()
         try:
             return skeleton_of(scene, min(RUN_LIMIT, left))
         except OutOfTime:

@@ -11,9 +11,10 @@ import numpy as np
 from .. import METHODS, Profile, Scene, SceneError, summarize
 from ..continuation.state import Outcome
 from ..files import SCHEMA, origin, plain
+from ..run.loadpath import time_limit
 from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
-from .options import NOT_CONVERGED, InputError
+from .options import NOT_CONVERGED, InputError, add_limit
 from .run import compute
 
 SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "L_off", "slips"  # of a summary
@@ -26,6 +27,7 @@ def add_verify(commands: Any) -> None:
     text = "Repeats the run of a JSON or NPZ file. Exit code 0: the same; 1: something differs, which is listed."
     parser = commands.add_parser("verify", help="repeat a file's run and compare", description=text)
     parser.add_argument("file", metavar="FILE", help="a JSON or NPZ file of a run")
+    add_limit(parser)
     parser.set_defaults(command=verify)
 
 
@@ -39,7 +41,7 @@ def verify(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.file!r}: {error.strerror}; {NEEDED}") from None
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
         raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {NEEDED}") from None
-    result = compute(scene, report["method"])
+    result = compute(scene, report["method"], time_limit(scene, arguments.limit))
     if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
     frames, failure = result.frames, result.failure

@@ -27,7 +27,7 @@ SLIP_ERROR = 1e-4  # nm: error of slips that followed runs promise to stay below
 def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
     """Computes a run and describes it by its branches, for `follow` and `sensitivities`.
 
-    Parameters: scene; limit: the longest time, s.
+    Parameters: scene; limit: processor time, s.
     Returns the Skeleton of the run.
     Raises NotFollowed where the run has none, NotConverged as the run does, OutOfTime over the limit.
 

@@ -22,6 +22,9 @@ from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
 METHODS: Mapping[str, Callable[..., Any]] = MappingProxyType({"fast": QuasiStatic, "gfmd": Gfmd})
+# s of processor time, below a minute. Some scenes with E below 1 GPa exceed it, phi_n of 10 to 20 N/m at E = 5, and
+# phi_ratio 30 at E = 2.5, whose slips take thousands of force evaluations
+SOFT_LIMIT = 50.0
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
@@ -46,17 +49,31 @@ class Checkpoint(NamedTuple):
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
 
 
-def load_path(scene: Scene, method: str | Callable[..., Any] = "fast", replay: bool = True) -> Iterator[Frame]:
+def time_limit(scene: Scene, limit: float | None = None) -> float:
+    """Processor time (s) after which a run ends: `limit`, or if that is None SOFT_LIMIT for a soft layer, else inf.
+
+    A layer is soft where phi_n/E exceeds delta_n, or phi_t/E delta_t: so far adhesion and friction stretch it.
+    """
+    if limit is not None:
+        return limit
+    soft = scene.phi_n > scene.E * scene.delta_n or scene.phi_t > scene.E * scene.delta_t
+    return SOFT_LIMIT if soft else inf
+
+
+def load_path(
+    scene: Scene, method: str | Callable[..., Any] = "fast", replay: bool = True, limit: float = inf
+) -> Iterator[Frame]:
     """Computes the increments of a scene, one by one.
 
     Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; replay: whether the fast method moves known states
-    on by lattice periods where sliding repeats itself, and verifies them.
+    on by lattice periods where sliding repeats itself, and verifies them; limit: processor time of the run, s.
     Returns an iterator of Frames.
-    Raises NotConverged where an increment has no equilibrium in reach, ValueError for a name not in METHODS.
+    Raises NotConverged where an increment has no equilibrium in reach, OutOfTime after the limit, ValueError for a name
+    not in METHODS.
 
     Example: `next(load_path(Scene())).L`
     """
-    yield from (frame for frame, _ in Run(scene, method, replay).frames())
+    yield from (frame for frame, _ in Run(scene, method, replay).frames(whole=limit))
 
 
 def until(
@@ -64,25 +81,26 @@ def until(
 ) -> Iterator[tuple[Frame, Checkpoint]]:
     """Yield each Frame of `load_path` with the Checkpoint after it, up to the first for which `stop` holds.
 
-    Raises OutOfTime after `limit` s on the clock.
+    Raises OutOfTime after `limit` s of processor time.
     """
-    for frame, checkpoint in Run(scene).frames(observe=deadline(limit, 0.0)):
+    for frame, checkpoint in Run(scene).frames(whole=limit):
         yield frame, checkpoint
         if stop is not None and stop(frame):
             return
 
 
-def deadline(limit: float, busy: float = 10.0) -> Callable[..., None] | None:
+def deadline(limit: float, busy: float = 10.0, run: float = 0.0) -> Callable[..., None] | None:
     """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock.
 
-    Other processes may need the cores. busy: 0 and inf limit a whole run, other numbers an increment.
+    Other processes may need the cores. run: the limit of a whole run, for the message, where that is meant; 0: of an
+    increment.
     """
     if limit == inf:
         return None
     end, latest = thread_time() + limit, perf_counter() + limit + busy
     late = f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s"
-    if busy in (0.0, inf):
-        late = f"the run takes more than {limit:g} s" + " of processor time" * (busy == inf)
+    if busy == inf:
+        late = f"the run takes more than {run or limit:g} s of processor time"
 
     def observe(*moving):
         if thread_time() > end or perf_counter() > latest:
@@ -104,16 +122,20 @@ class Run:
         self._fast, self.patch = method == "fast", patch(scene)
         self.stepper = self.done = self._place = None  # _place: load step and pressure that the stepper is for
 
-    def frames(self, checkpoint=None, limit=inf, observe=None) -> Iterator[tuple[Frame, Checkpoint]]:
+    def frames(self, checkpoint=None, limit=inf, observe=None, whole=inf) -> Iterator[tuple[Frame, Checkpoint]]:
         """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
 
-        limit: s of processor time for an increment. observe: a function called at every force evaluation, which may
-        raise to end the run. Raises as `next_frame`, SceneError for the Checkpoint of another scene.
+        limit, whole: s of processor time for an increment, and for all of them. observe: a function called at every
+        force evaluation, which may raise to end the run. Raises as `next_frame`, SceneError for the Checkpoint of
+        another scene.
         """
         checkpoint = checkpoint or Checkpoint()
         refuse_other(self.scene, checkpoint.scene, "checkpoint")
+        left = whole
         while not checkpoint.done:
-            frame, checkpoint = self.next_frame(checkpoint, observe or deadline(limit))
+            begun, last = thread_time(), deadline(limit) if whole == inf else deadline(left, inf, whole)
+            frame, checkpoint = self.next_frame(checkpoint, observe or last)
+            left -= thread_time() - begun
             yield frame, checkpoint
 
     @computation
@@ -215,7 +237,7 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
         weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
         remedy = f"try {overdamped}another indentation or a larger E{weaker}"
     elif isinstance(failure, OutOfTime):
-        remedy = "allow more time, or try a larger E"
+        remedy = "allow more time by limit=, or try a larger E"
     elif not fast:
         remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
     # the law has no potential, so that it may feed an oscillation

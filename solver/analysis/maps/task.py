@@ -11,7 +11,7 @@ from ...following.from_run import skeleton_from
 from ...following.moved import NotFollowed
 from ...following.skeleton import Skeleton
 from ...run.frame import slips_in
-from ...run.loadpath import until
+from ...run.loadpath import time_limit, until
 from ...run.summary import summarize
 from ...scene import Scene, SceneError
 from ...threads import computation
@@ -38,6 +38,7 @@ class Task:
     i: int
     j: int
     keep: bool = True
+    limit: float | None = None  # s of processor time of a run; None: as of `simulate`
     around: tuple[Point, ...] = field(default=(), compare=False)
     start: Skeleton | None = field(default=None, compare=False)
 
@@ -53,7 +54,7 @@ def computed_point(task: Task) -> Outcome:
         scene = task.scene_there()
     except SceneError as error:
         return Point(i=task.i, j=task.j, reason=str(error)), None
-    point, skeleton = _followed(scene, task.around, task.start) or computed(scene)
+    point, skeleton = _followed(scene, task.around, task.start) or computed(scene, task.limit)
     return replace(point, i=task.i, j=task.j), skeleton if task.keep else None
 
 
@@ -76,12 +77,12 @@ def _followed(scene, around, start):
     return (point, moved) if point.kind in kinds and near else None
 
 
-def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
-    """(Point, Skeleton or None) of a scene, from its start."""
+def computed(scene: Scene, limit: float | None = None) -> tuple[Point, Skeleton | None]:
+    """(Point, Skeleton or None) of a scene, from its start; limit: processor time, s."""
     frames, skeleton, slips, spent, reason, off = [], None, 0, 0, "", False
     smooth = False  # whether the run had no slip over one lattice period
     try:
-        for frame, checkpoint in until(scene):
+        for frame, checkpoint in until(scene, limit=time_limit(scene, limit)):
             frames.append(frame)
             spent += frame.evaluations
             if spent > EVALUATIONS:
