@@ -190,7 +190,8 @@ class Scene:
             compliant = f"too compliant a layer: by round-off alone the residual is {least:.1g} nm"
             yield "E", f"{compliant}, more than any tolerance allowed", f"enlarge {soft}, or lower height"
         if self.tolerance < least:
-            allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
+            # rounded up, so that the value named is allowed
+            allowed = f"allowed: {1.05 * least:.2g} .. {most:g} for so compliant a layer, by round-off"
             yield "tolerance", allowed, f"enlarge it, or {soft}"
 
     @property

@@ -11,11 +11,11 @@ import numpy as np
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import advanced
-from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, Restless, State
+from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.surface import closed_stiffness
+from ..mechanics.surface import closed_stiffness, too_soft
 from ..scene import Scene, checked_scene, refuse_other
 from ..threads import computation
 from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
@@ -230,21 +230,27 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
     """The same failure of a LoadStep, with the load and a remedy in its message."""
     if isinstance(failure, PulledOff):
         return failure
-    remedy = "try a larger tolerance, or a smaller du_x or du_z"
-    if isinstance(failure, Restless):
-        soft = any(scene.drive_compliance) or step.held
-        overdamped = "damping=inf, " * (soft and scene.damping != inf)
-        weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
-        remedy = f"try {overdamped}another indentation or a larger E{weaker}"
-    elif isinstance(failure, OutOfTime):
-        remedy = "allow more time by limit=, or try a larger E"
-    elif not fast:
-        remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
-    # the law has no potential, so that it may feed an oscillation
-    if scene.damping < 1.0 and failure.outcome is Outcome.RESTLESS:
-        remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
+    if step.stage == "approach" and load == step.start and (stiffer := too_soft(scene)):
+        why = "the attraction draws so soft a layer into contact where the approach begins"
+        remedy = f"{why}: {stiffer}"
+    else:
+        remedy = _remedy(failure.outcome, scene, step, fast)
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
     return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}", failure.outcome)
+
+
+def _remedy(outcome, scene, step, fast):
+    """What to do about a run that ends so."""
+    if outcome is Outcome.OUT_OF_TIME:
+        return "allow more time by limit=, or try a larger E"
+    if outcome is not Outcome.RESTLESS:
+        steps = "or a smaller du_x or du_z" if fast else "a smaller du_x or du_z, or method fast"
+        return f"try a larger tolerance, {steps}"
+    if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
+        return f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
+    soft = any(scene.drive_compliance) or step.held
+    overdamped = "damping=inf, " * (soft and scene.damping != inf)
+    return f"try {overdamped}another indentation or a larger E{' or a smaller phi_ratio' * (scene.phi_ratio > 0.0)}"
 
 
 def _turned(problem, state, was_held, following):
