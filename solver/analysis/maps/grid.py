@@ -1,7 +1,7 @@
 """The axes of a map, its points computed from coarse to fine, and its results as arrays and tables."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor
 from contextlib import nullcontext
 from dataclasses import astuple, dataclass
 from itertools import product
@@ -25,6 +25,7 @@ COUNT = 2, 400  # values of an axis: one value is no axis, and 400 x 400 points 
 CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in DISCRETE and not limits.whole)
 RUNS = 16  # points at first, which are all runs: their neighbours are too far to follow
 AROUND = 4  # known points nearest to another: at the corners around it, or at the ends of its side
+UNGUARDED = 'the processes ended at once: put the call of explore_map under `if __name__ == "__main__":`'
 
 Place = tuple[int, int]  # (i, j) of a point: columns along x, rows along y
 
@@ -152,7 +153,7 @@ def explore_map(
     cores); limit: processor time of a point, s (default: as of `simulate`).
     Returns an iterator of Points, in the order of completion; `grid.table` makes a DataFrame of them. A point that
     could not be computed has a `reason`.
-    Raises RuntimeError for an executor that was shut down.
+    Raises RuntimeError for an executor that was shut down, and where processes end at once.
 
     Example: `grid = Map(Scene(), Axis("delta_bar", -0.2, 0.3, 6), Axis("nu", 0.0, 0.4, 5))`, then
     `grid.table(explore_map(grid))`
@@ -164,6 +165,8 @@ def explore_map(
     with processes() if executor is None else nullcontext(executor) as used:
         for task, result in outcomes(computed_point, tasks, used, ahead):
             failed = isinstance(result, Exception)
+            if executor is None and not known and isinstance(result, BrokenExecutor):
+                raise RuntimeError(UNGUARDED) from None
             reason = f"unexpected error {result!r}; run this scene alone to see where"
             known[task.i, task.j] = (Point(i=task.i, j=task.j, reason=reason), None) if failed else result
             yield known[task.i, task.j][0]
