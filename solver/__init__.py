@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 
 from .analysis.work import work_of
 from .continuation.state import NotConverged
+from .following.certify import Certificate, certify
 from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
 from .following.moved import NotFollowed
@@ -63,6 +64,7 @@ __all__ = [
     "METHODS",
     "SURFACES",
     "Axis",
+    "Certificate",
     "Checkpoint",
     "DataError",
     "Frame",
@@ -77,6 +79,7 @@ __all__ = [
     "SlipEvent",
     "__version__",
     "advance",
+    "certify",
     "explore_map",
     "fit",
     "follow",

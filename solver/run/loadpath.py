@@ -109,6 +109,11 @@ def deadline(limit: float, busy: float = 10.0, run: float = 0.0) -> Callable[...
     return observe
 
 
+def far_of(scene: Scene) -> float | None:
+    """How far states may move without a search, as `far` of `rest.Judge`; None: as usual."""
+    return DRIVEN if any(scene.drive_compliance) or scene.law != "np1" else None
+
+
 class Run:
     """Computes increments of one scene; owns the buffers of its contact, and needs nothing else between increments.
 
@@ -187,8 +192,7 @@ class Run:
         scene = self.scene
         pressure = checkpoint.pressure if step.held else None
         problem = Equilibrium(Contact(scene, *self.patch), step.loading, pressure)
-        sudden = any(scene.drive_compliance) or scene.law != "np1"
-        options = {"far": DRIVEN} if self._fast and sudden else {}
+        options = {"far": far_of(scene)} if self._fast else {}
         method = METHODS.get(self.method, self.method)
         self.stepper, self._place = method(problem, scene.damping, closed_stiffness(scene), **options), place
         return self.stepper

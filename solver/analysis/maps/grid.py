@@ -111,7 +111,7 @@ class Map:
         near = _nearest(place, known) if len(known) >= RUNS else []
         around, start = tuple(point for point, _ in near[:AROUND]), next((kept for _, kept in near if kept), None)
         keep = not (place[0] % 2 or place[1] % 2)  # so that every other point has one with a Skeleton beside it
-        return Task(self.scene, tuple(values.items()), *place, keep, limit, around, start)
+        return Task(self.scene, tuple(values.items()), *place, keep, around, start, limit)
 
     def array(self, points: Iterable[Point], of: str) -> NDArray[Any]:
         """(y.count, x.count) of a column of Points, nan where there is none; `of` "regime" gives codes, -1 unknown."""

@@ -38,9 +38,9 @@ class Task:
     i: int
     j: int
     keep: bool = True
-    limit: float | None = None  # s of processor time of a run; None: as of `simulate`
     around: tuple[Point, ...] = field(default=(), compare=False)
     start: Skeleton | None = field(default=None, compare=False)
+    limit: float | None = None  # s of processor time of a run; None: as of `simulate`
 
     def scene_there(self) -> Scene:
         """The Scene of the point; raises SceneError where there is none."""
