@@ -17,7 +17,7 @@ scene                           the Scene
 text, profile, presets          scenes from text, profiles from files, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem
 mechanics/                      the physics: NP1 law, elastic layer, contact
-threads, executors              one BLAS thread; many calls on an executor of `concurrent.futures`
+threads, executors              one BLAS thread, errors as by default; many calls on an executor of `concurrent.futures`
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
 cautions, plots                 sentences on choices that affect a result; plots
@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 
 from .analysis.work import work_of
 from .continuation.state import NotConverged
+from .following.certify import Certificate, certify
 from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
 from .following.moved import NotFollowed
@@ -63,6 +64,7 @@ __all__ = [
     "METHODS",
     "SURFACES",
     "Axis",
+    "Certificate",
     "Checkpoint",
     "DataError",
     "Frame",
@@ -77,6 +79,7 @@ __all__ = [
     "SlipEvent",
     "__version__",
     "advance",
+    "certify",
     "explore_map",
     "fit",
     "follow",

@@ -3,6 +3,7 @@
 import numpy as np
 
 from .mechanics.layer import Modes
+from .mechanics.surface import too_soft
 from .run.frame import largest_overlap, largest_safe_damping
 from .run.summary import widest
 from .surfaces import NO_UNIT
@@ -86,6 +87,11 @@ def _of_the_layer(scene):
         yield (
             f"The layer is soft against the friction, φₜ/(E δₜ) = {softness:.2g}, above {SOFT:g}: the time step of the"
             " motion may decide where single nodes come to rest after a slip."
+        )
+    if stiffer := too_soft(scene):
+        yield (
+            "Where the approach begins, 10 δₙ above the surface, the attraction already draws so soft a layer into"
+            f" contact: the run may find no state to begin from. {stiffer[0].upper()}{stiffer[1:]}."
         )
     h, k = scene.height * scene.width, Modes.of(scene).stiffness[:2, 0]  # of layer and drive; the layer's share:
     shares = 1.0 - k * scene.drive_compliance

@@ -4,16 +4,26 @@ For dask that is `distributed.Client(address).get_executor()`.
 """
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import current_process, get_context
 from typing import Any
 
 
 def processes(count: int | None = None) -> ProcessPoolExecutor:
-    """An executor of `count` processes, by default one for each core; a fork would copy the locks of threads."""
-    return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+    """An executor of `count` processes, by default one for each core.
+
+    A plain fork would copy the locks of threads. On Linux a server without threads, which has imported the solver, is
+    forked instead. Call this under `if __name__ == "__main__":`, as each process imports the script that runs.
+    """
+    if getattr(current_process(), "_inheriting", False):
+        raise SystemExit(1)  # this process imports a script without that line; `explore_map` reports it
+    context: Any = get_context("forkserver" if sys.platform == "linux" else "spawn")
+    if sys.platform == "linux":
+        context.set_forkserver_preload(["solver.analysis.maps.task"])
+    return ProcessPoolExecutor(count, mp_context=context)
 
 
 def outcomes(

@@ -17,7 +17,7 @@ from .cautions import cautions_of
 from .continuation.state import Outcome
 from .run.frame import Frame
 from .run.summary import curves_of, fields_of, left_out, summarize
-from .scene import Scene
+from .scene import Scene, refuse_other
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,14 +33,20 @@ def write_table(file: str | PathLike, table: "pd.DataFrame") -> None:
 def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], method: str = "fast") -> None:
     """Writes the columns of `curves_of`, by names without units, and the arrays of `fields_of`, after the approach.
 
-    `report` is JSON text: schema, version, commit, scene and method.
+    `report` is JSON text: schema, version, commit, scene and method. Raises SceneError for frames of another scene.
     """
+    _refuse_others(scene, frames)
     after = [frame for frame in frames if frame.stage != "approach"]
     curves = {name.split(" ")[0]: np.array(values) for name, values in curves_of(after).items()}
     report = {"method": method, "scene": asdict(scene)}
     arrays: dict[str, Any] = fields_of(after) | curves
     with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, **arrays, report=json.dumps(plain(origin() | report)))
+
+
+def _refuse_others(scene, frames):
+    for frame in frames:
+        refuse_other(scene, frame.scene, "run")
 
 
 def origin() -> dict[str, Any]:
@@ -63,10 +69,11 @@ def report_of(
     failure: str | None,
     outcome: Outcome = Outcome.FINISHED,
 ) -> dict[str, Any]:
-    """What --json writes beside the version: scene, method and summary."""
+    """What --json writes beside the version: scene, method and summary; raises SceneError for another one's frames."""
+    _refuse_others(scene, frames)
     report = {"method": method, "scene": asdict(scene)}
     ended = {"seconds": seconds, "outcome": str(outcome), "failure": failure, "left_out": left_out(frames)}
-    return report | summarize(frames) | {"cautions": cautions_of(scene, frames)} | ended
+    return report | summarize(frames, outcome) | {"cautions": cautions_of(scene, frames)} | ended
 
 
 @cache

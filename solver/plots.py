@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 BACKENDS = {".html": "bokeh", ".png": "matplotlib", ".svg": "matplotlib"}
 # Below each other: as wide as a column of text, three on one screen
 SIZES = {"bokeh": {"width": 700, "height": 240}, "matplotlib": {"aspect": 3}}
-UNITS = {"U_s": "nm", "F_s": "N/m", "A_s": "nm", "A_0": "nm", "L_min": "N/m"}
+UNITS = {"U_s": "nm", "F_s": "N/m", "A_s": "nm", "A_0": "nm", "L_min": "N/m", "L_off": "N/m"}
 
 
 def experiment(scene: Scene, frames: Sequence[Frame], over_top: bool = False) -> hv.Layout:

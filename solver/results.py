@@ -22,11 +22,11 @@ from .following.skeleton import Skeleton
 from .run.frame import Frame, SlipEvent
 from .run.held_load import held_at
 from .run.load_steps import abscissa, load_steps_of, place, slip_at
-from .run.loadpath import Checkpoint, Run, deadline
+from .run.loadpath import Checkpoint, Run, deadline, time_limit
 from .run.summary import curves_of, fields_of, first_slip_in, kind_of, least_force, values_of
-from .scene import Scene
-from .text import counted
-from .threads import one_thread
+from .scene import Scene, checked_scene
+from .text import counted, in_ascii
+from .threads import computation
 
 if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics only
     import holoviews as hv
@@ -35,8 +35,6 @@ if TYPE_CHECKING:  # imported when asked for: `import solver` needs numerics onl
 
     from .analysis.interior import Stress
 
-# s of processor time, below a minute, which some scenes with E below 1 GPa, or phi_n of 10 to 20 N/m at E = 5, exceed
-SOFT_LIMIT = 50.0
 FIRST = "U_s (nm)", "F_s (N/m)", "L_s (N/m)", "A_s (nm)"  # columns of a first slip
 
 
@@ -50,7 +48,10 @@ class FirstSlip(NamedTuple):
 
 
 class PullOff(NamedTuple):
-    """Where the surfaces part: U_x, delta (nm) of the stage, and F, L (N/m) just before."""
+    """Where the surfaces part: U_x, delta (nm) of the stage, and F, L (N/m) just before; L is the parting load.
+
+    The largest pull of a retraction, `L_min` of `summarize`, comes before and is larger.
+    """
 
     U_x: float
     delta: float
@@ -220,19 +221,14 @@ class Result:
         return [*lines, *self.notes]
 
     def __repr__(self) -> str:
-        return "\n".join(self._lines)
+        return in_ascii("\n".join(self._lines))  # a file on Windows may hold ASCII only
 
     def _repr_html_(self) -> str:
         """The lines of `print`, and F over the path as a small curve."""
         return "".join(f"<p>{escape(line)}</p>" for line in self._lines) + _curve(self.scene, self._after)
 
 
-def time_limit(scene: Scene) -> float:
-    """Processor time (s) after which `simulate` ends a run: SOFT_LIMIT where phi_n/E exceeds delta_n, else inf."""
-    return SOFT_LIMIT if scene.phi_n > scene.E * scene.delta_n else inf
-
-
-@one_thread()
+@computation
 def simulate(
     scene: Scene | None = None, progress: bool = False, load: float | None = None, limit: float | None = None
 ) -> Result:
@@ -240,16 +236,15 @@ def simulate(
 
     Parameters: scene (default: that of the paper's Fig. 6); progress: show a bar on standard error; load: the normal
     load (N/m) to hold during the shear, in place of delta_bar and hold. `result.scene` has the indentation found;
-    limit: processor time of the run, s (default: none, but 50 s where phi_n/E exceeds delta_n, as a slip of so soft a
-    layer takes thousands of force evaluations).
+    limit: processor time of the run, s (default: none, but 50 s for a soft layer, as of `time_limit`).
     Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, `outcome` says how, and
     `failure` has the reason and a remedy. A contact that pulls off under its held load is no failure: see `pull_off`.
-    Raises SceneError for a load that the approach does not reach.
+    Raises SceneError for a load that the approach does not reach, TypeError for a scene that is none.
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """
-    frames, checkpoint, scene = list[Frame](), None, scene or Scene()
-    observe = deadline(time_limit(scene) if limit is None else limit, inf)
+    frames, checkpoint, scene = list[Frame](), None, checked_scene(Scene() if scene is None else scene)
+    observe = deadline(time_limit(scene, limit), inf)
     try:
         if load is not None:
             scene, frames, checkpoint = held_at(scene, load, observe)

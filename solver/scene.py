@@ -1,5 +1,6 @@
 """The experiment: every parameter of the paper, validated, and the lengths and moduli derived from them."""
 
+import reprlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -189,7 +190,8 @@ class Scene:
             compliant = f"too compliant a layer: by round-off alone the residual is {least:.1g} nm"
             yield "E", f"{compliant}, more than any tolerance allowed", f"enlarge {soft}, or lower height"
         if self.tolerance < least:
-            allowed = f"allowed: {least:.1g} .. {most:g} for so compliant a layer, by round-off"
+            # rounded up, so that the value named is allowed
+            allowed = f"allowed: {1.05 * least:.2g} .. {most:g} for so compliant a layer, by round-off"
             yield "tolerance", allowed, f"enlarge it, or {soft}"
 
     @property
@@ -323,6 +325,23 @@ class Scene:
         """{parameter: value} where this scene differs from another, by default from Scene(); without `measured`."""
         other = other or Scene()
         return {name: getattr(self, name) for name in PARAMETERS if getattr(self, name) != getattr(other, name)}
+
+
+def checked_scene(scene: object) -> Scene:
+    """The scene itself; raises TypeError, which names what to pass, for what is none."""
+    if isinstance(scene, Scene):
+        return scene
+    values = ", ".join(f"{name}={value!r}" for name, value in scene.items()) if isinstance(scene, dict) else ""
+    raise TypeError(f"scene = {reprlib.repr(scene)}: allowed: a Scene; write Scene({values})")
+
+
+def refuse_other(scene: Scene, of: Scene | None, what: str) -> None:
+    """Raises SceneError where `of`, the scene that `what` belongs to, is another one; None belongs to any scene."""
+    if of is None or of is scene or of == scene:
+        return
+    name = next(iter(scene.differences(of)), "measured")
+    allowed = f"allowed with this {what}: {reprlib.repr(getattr(of, name))}"
+    raise SceneError(name, getattr(scene, name), allowed, f"give the scene that the {what} belongs to")
 
 
 PARAMETERS = parameters(Scene)  # {name: Range, Choice or Points}

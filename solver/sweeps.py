@@ -4,24 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from concurrent.futures import Executor
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from .continuation.state import Outcome
+from .continuation.state import NotConverged
 from .results import FIRST, first_of
-from .run.slices import first_slip
-from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
+from .run.loadpath import time_limit, until
+from .run.summary import first_slip_in
+from .scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError, checked_scene
 from .schema import unknown_name
 
 if TYPE_CHECKING:  # `import solver` needs numerics only
     import pandas as pd
 
 
-def sweep(scene: Scene | None = None, executor: Executor | None = None, **values: Iterable[Any]) -> pd.DataFrame:
+def sweep(
+    scene: Scene | None = None,
+    executor: Executor | None = None,
+    limit: float | None = None,
+    progress: bool = False,
+    **values: Iterable[Any],
+) -> pd.DataFrame:
     """Computes the first slip for every combination of parameter values.
 
     Parameters: scene: what the values change (default: Scene()); executor: any of `concurrent.futures`, which computes
-    the combinations (default: one after the other, here); values: NAME=[...] of parameters.
+    the combinations (default: one after the other, here); limit: processor time of a combination, s (default: as of
+    `simulate`); progress: show a bar on standard error; values: NAME=[...] of parameters.
     Returns a row per combination, the last name varying fastest: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm),
     and `outcome`: "slips", "no slip" up to u_x_max, or why there is no result. Missing numbers are nan.
     Raises SceneError (a ValueError) for a name that is no parameter, a value outside its range, and one that path
@@ -33,8 +42,13 @@ def sweep(scene: Scene | None = None, executor: Executor | None = None, **values
     """
     import pandas as pd
 
-    combinations, scenes = _swept(scene or Scene(), values)
-    found = map(row_of, scenes) if executor is None else executor.map(row_of, scenes)
+    combinations, scenes = _swept(checked_scene(Scene() if scene is None else scene), values)
+    row = partial(row_of, limit=limit)
+    found = map(row, scenes) if executor is None else executor.map(row, scenes)
+    if progress:
+        from tqdm import tqdm  # only who asks for a bar needs it
+
+        found = tqdm(found, total=len(scenes), unit=" combinations", leave=False, disable=None)
     rows = [given | row for given, row in zip(combinations, found, strict=True)]
     return pd.DataFrame(rows, columns=[*values, *FIRST, "outcome"])
 
@@ -55,10 +69,12 @@ def _swept(scene, values):
     return combinations, scenes
 
 
-def row_of(scene: Scene) -> dict[str, Any]:
-    """The first slip of a scene as a row of `sweep`; the run ends there."""
-    found, _, end = first_slip(scene)
-    if found:
-        return dict(zip(FIRST, first_of(*found), strict=True)) | {"outcome": "slips"}
-    ends = {Outcome.FINISHED: "no slip", Outcome.PULLED_OFF: str(Outcome.PULLED_OFF)}
-    return {"outcome": ends.get(end.outcome, end.failure)}
+def row_of(scene: Scene, limit: float | None = None) -> dict[str, Any]:
+    """The first slip of a scene as a row of `sweep`; the run ends there. limit: processor time, s."""
+    try:
+        for frame, _ in until(scene, limit=time_limit(scene, limit)):
+            if found := first_slip_in([frame]):
+                return dict(zip(FIRST, first_of(*found), strict=True)) | {"outcome": "slips"}
+    except NotConverged as end:
+        return {"outcome": str(end.outcome if end.outcome.reached else end)}
+    return {"outcome": "no slip"}

@@ -22,6 +22,10 @@ UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
     "δₜ": {"δₜ": 1.0, "delta_t": 1.0},
     "δ₀": {"δ₀": 1.0, "delta_0": 1.0},
 }
+ASCII = str.maketrans(  # for outputs that cannot show a letter of a unit or a subscript
+    {"δ": "delta", "φ": "phi", "ν": "nu", "χ": "chi", "ₙ": "_n", "ₜ": "_t", "₀": "_0", "µ": "u", "μ": "u", "Å": "A"}
+    | {"²": "2", "−": "-", "∞": "inf", "⁻": "-", "¹": "1", "·": " "}
+)
 SAME = str.maketrans({"−": "-", "∞": "inf", "μ": "µ"})  # the last: Greek mu, and the micro sign
 
 
@@ -71,6 +75,18 @@ def scene_from_text(pairs: Mapping[str, str], profile: Profile | None = None, no
     if values.get("path") == "points":  # they set it; the caller prints that
         values.pop("delta_bar", None)
     return Scene(**values)
+
+
+def in_ascii(text: str) -> str:
+    """The text with ASCII names for its letters, as `delta_n`; others are escaped."""
+    return text.translate(ASCII).encode("ascii", "backslashreplace").decode("ascii")
+
+
+def named(error: UnicodeError) -> tuple[str, int]:
+    """A handler for `codecs.register_error`: what an encoding cannot show is written as by `in_ascii`."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return in_ascii(error.object[error.start : error.end]), error.end
 
 
 def counted(count: int, noun: str) -> str:

@@ -1,14 +1,20 @@
-"""One thread for linear algebra during a computation: on small matrices several threads wait for each other."""
+"""The settings of a computation: one thread for linear algebra, and NumPy's own handling of errors.
 
-from collections.abc import Iterator
+On small matrices several threads wait for each other. Underflow is meant: springs far apart pull with exp(-gap).
+"""
+
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, wraps
 from threading import Lock
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
-import numpy as np  # noqa: F401  its BLAS must be loaded before the search
+import numpy as np  # its BLAS must be loaded before the search
 import scipy.linalg  # noqa: F401  so must SciPy's own
 from threadpoolctl import ThreadpoolController
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 @cache
@@ -35,3 +41,14 @@ def one_thread() -> Iterator[None]:
         with _lock:
             if limit := _open.pop():  # the last one
                 limit.restore_original_limits()
+
+
+def computation(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorates an entry point: `one_thread`, and NumPy's defaults in place of what `np.seterr` asked for."""
+
+    @wraps(function)
+    def settled(*args: P.args, **options: P.kwargs) -> R:
+        with one_thread(), np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
+            return function(*args, **options)
+
+    return settled

@@ -1,7 +1,7 @@
 """A sheared contact pulls off more easily.
 
 A soft punch is sheared, but not so far that it slips, and then lifted. Shear weakens the springs against opening, so
-the pull-off force falls. After a shear of 12 nm it is 0.93 of the force without shear.
+the parting load falls. After a shear of 12 nm it is 0.93 of the load without shear.
 """
 
 from solver import Scene, simulate
@@ -22,6 +22,6 @@ number = forces[-1] / forces[0]
 
 
 def draw(ax):
-    """Pull-off force over the shear before it."""
+    """Parting load over the shear before it."""
     ax.plot(shears, forces, "o-")
-    ax.set(xlabel="shear before the lift (nm)", ylabel="pull-off force (N/m)")
+    ax.set(xlabel="shear before the lift (nm)", ylabel="parting load (N/m)")

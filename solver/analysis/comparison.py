@@ -11,14 +11,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from ..text import counted
-from .measurement import drops_of, noise_of
-from .recording import KINDS
+from .noise import drops_of, noise_of
 
 if TYPE_CHECKING:
     from ..run.frame import Frame
     from ..scene import Scene
-    from .measurement import Measurement
-    from .recording import Recording
 
 Floats = NDArray[np.float64]
 WAY = {"approach": "approach", "retract": "unload"}  # stages of a run for segments of a load
@@ -34,6 +31,23 @@ class Computed(Protocol):
     def frames(self) -> Sequence[Frame]: ...
     @property
     def first_slip(self) -> Any: ...
+
+
+class Measured(Protocol):
+    """What is compared: a Measurement or a Recording."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def over(self) -> str: ...
+    @property
+    def segments(self) -> Sequence[Any]: ...
+    @property
+    def units(self) -> dict[str, str]: ...
+    @property
+    def free(self) -> bool: ...
+    @property
+    def virgin(self) -> bool: ...
 
 
 class Comparison(NamedTuple):
@@ -65,7 +79,7 @@ class Comparison(NamedTuple):
         return "\n".join([*lines, *[scaled] * (self.scale != 1.0)])
 
 
-def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
+def compared(measured: Measured, result: Computed) -> Comparison:
     """Compares every measured point with the run, linearly between its increments.
 
     Segments are compared with the stages that go the same way; a hold with none. Forces over F_s or w E, and areas over
@@ -87,7 +101,7 @@ def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
     off, outside = dict[str, list[Floats]](), 0
     for segment, (x, curves) in pairs:
         at = segment.x + shift
-        if measured.units.get(KINDS[measured.kind]) == "N":
+        if measured.units.get(measured.over) == "N":
             at = scale * at + zero
         inside = (at >= x.min()) & (at <= x.max())
         outside += int((~inside).sum())
@@ -97,14 +111,14 @@ def compared(measured: Measurement | Recording, result: Computed) -> Comparison:
             rows += [(segment.name, *row) for row in zip(*columns, strict=True)]
             off.setdefault(name, []).append((seen - found)[inside])
     if outside == sum(segment.x.size for segment, _ in pairs):
-        raise ValueError(f"no point lies within the run; compute one that covers {KINDS[measured.kind]} of the curve")
+        raise ValueError(f"no point lies within the run; compute one that covers {measured.over} of the curve")
     rms = {name: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for name, parts in off.items()}
     units = {name: "N/m" if measured.units[name] == "N" else measured.units[name] for name in off}
     noise = {name: noise_in(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
     return Comparison(rows, rms, noise, units, outside, shift, scale, zero)
 
 
-def noise_in(measured: Measurement | Recording, name: str) -> float:
+def noise_in(measured: Measured, name: str) -> float:
     """Standard deviation of the noise of a quantity in all segments together, in the unit of the curve."""
     parts = [segment.values[name] for segment in _moving(measured)]
     return float(np.sqrt(np.mean([noise_of(y, drops_of(y)) ** 2 for y in parts])))
@@ -122,7 +136,7 @@ def _curve(measured, result, k):
         reason = f"the run has no stage for the segment {segments[k].name!r} of a curve of kind {kind!r}"
         path = {"load": "unload", "loop": "loop"}.get(kind, "shear")
         raise ValueError(f"{reason}; compute it with path={path!r}")
-    over = KINDS[kind]
+    over = measured.over
     columns = {name: np.array([getattr(f, name) for f in frames]) for name in {over, *segments[k].values}}
     columns = {name: y / _unit(measured.units.get(name, "nm"), result) for name, y in columns.items()}
     order = np.argsort(columns[over], kind="stable")
@@ -166,7 +180,7 @@ def _scale(measured, pairs, shift):
     names = [name for name, unit in measured.units.items() if unit == "N"]
     if not names:
         return 1.0, 0.0
-    if KINDS[measured.kind] in names:  # the largest force of both
+    if measured.over in names:  # the largest force of both
         largest = [(np.abs(segment.x).max(), np.abs(x).max()) for segment, (x, _) in pairs]
         return float(max(found for _, found in largest) / max(seen for seen, _ in largest)), 0.0
     seen, found = np.hstack(

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..continuation.state import ROUND_OFF, NotConverged
 from ..run.slices import first_slip
-from ..scene import LARGEST_RUN, SceneError
+from ..scene import LARGEST_RUN, SceneError, refuse_other
 
 # Paper Fig. 8: three interfaces, presets, over a range of loads from full separation under tension to compression. The
 # paper shows nine loads and names some; the others are ours.
@@ -102,8 +102,10 @@ def friction_force(scene, frames) -> Friction:
     """The Friction of a run (Eq. 7), from its first slip on; without one, from one lattice period on.
 
     F_k is that of an increment in which a slip ended, at most du_x beyond its landing. Raises ValueError where the
-    contact has not slid, or by less than a lattice period.
+    contact has not slid, or by less than a lattice period, SceneError for frames of another scene.
     """
+    for frame in frames:
+        refuse_other(scene, frame.scene, "run")
     shear = [f for f in frames if f.stage == "shear"]
     start = next((i for i, f in enumerate(shear) if f.slip), None)
     if start is None:

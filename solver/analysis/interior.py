@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..continuation.compiled import kernel
 from ..mechanics.layer import stiffness
 from ..run.frame import Frame
+from ..threads import computation
 
 
 class Stress(NamedTuple):
@@ -37,6 +38,7 @@ class Stress(NamedTuple):
         return f"Stress(x: {self.x.size} nodes, z: {self.z.size} heights, 0 .. {self.z.max():g} nm; xx, zz, xz in GPa)"
 
 
+@computation
 def stress_in(frame: Frame, z: NDArray[np.float64] | None = None) -> Stress:
     """The Stress of a Frame at all nodes and the heights z (k,) nm, by default 101 even ones, to round-off.
 

@@ -5,9 +5,10 @@ one, so both curves are averaged: over a period of the lattice first, then over 
 """
 
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from time import perf_counter
+from time import thread_time
 from typing import NamedTuple
 
 import numpy as np
@@ -21,10 +22,10 @@ from ..scene import LIMITS, Scene
 from ..tables import DataError
 from ..text import counted
 from .comparison import Comparison, compared
-from .fit import Fit, alike, check_plausible, fit, uncertainty
 from .measurement import Measurement
 from .recording import Recording
-from .trial import NO_RUN
+from .stroke_fit import Fit, alike, check_plausible, fit_of_stroke, uncertainty
+from .trial import NO_RUN, inside
 
 Floats = NDArray[np.float64]
 POINTS = (25, 13, 5)  # of the running means, in turn; odd
@@ -50,7 +51,7 @@ class LoopModel:
     scene: Scene
     measured: Recording
     free: tuple[str, ...]
-    end: float
+    left: float  # s of processor time, wherever it is spent
     executor: Executor | None = None  # computes the runs of a derivative at once
     best: tuple[float, Floats, Comparison] | None = None
     done: dict[tuple[float, ...], Comparison] = field(default_factory=dict)
@@ -59,9 +60,7 @@ class LoopModel:
         """(k,) over the noise, averaged over so many points; raises TimeoutError at the end of the time."""
         key = tuple(map(float, x))
         if key not in self.done:
-            if perf_counter() > self.end:
-                raise TimeoutError
-            self.done[key] = comparison_at(self.scene, self.measured, self.free, key)
+            self._run([key], map)
         found, off = self.done[key], off_of(self.done[key])
         ends = np.cumsum([segment.x.size for segment in self.measured.segments if segment.name != "hold"])[:-1]
         averaged = np.concatenate([_mean(part, points) for part in np.split(off, ends)])
@@ -70,15 +69,24 @@ class LoopModel:
             self.best = cost, np.array(key), found
         return averaged
 
+    def _run(self, keys, mapped):
+        """Compute the runs of these keys by a `map`; raises TimeoutError at the end of the time."""
+        if self.left <= 0.0:
+            raise TimeoutError
+        call = partial(comparison_at, self.scene, self.measured, self.free, limit=self.left)
+        for key, (found, spent) in zip(keys, mapped(call, keys), strict=True):
+            self.left -= spent
+            if found is None:
+                raise TimeoutError
+            self.done[key] = found
+
     def jacobian(self, x: Floats, points: int) -> Floats:
         """(k, n) derivatives of the residuals, by differences; raises as `residuals`."""
         step = STEP * points * np.maximum(np.abs(x), 0.1)
         step *= np.where(x + step > [LIMITS[name].high for name in self.free], -1.0, 1.0)
         beside = x + np.diag(step)
         if self.executor is not None:
-            keys = [key for key in map(tuple, beside.tolist()) if key not in self.done]
-            run = partial(comparison_at, self.scene, self.measured, self.free)
-            self.done |= zip(keys, self.executor.map(run, keys), strict=True)
+            self._run([key for key in map(tuple, beside.tolist()) if key not in self.done], self.executor.map)
         here = self.residuals(x, points)
         return np.array([self.residuals(each, points) - here for each in beside]).T / step
 
@@ -87,27 +95,35 @@ class LoopModel:
 
         Without derivatives where the `limit` (s) stopped it. Raises OutOfTime.
         """
-        low, high = np.array([(LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
+        bounds = np.array([(LIMITS[name].low, LIMITS[name].high) for name in self.free]).T
         try:
             for points in means:
-                self.best = None
+                self.best, size = None, np.maximum(np.abs(x), 0.1)
                 found = least_squares(
-                    self.residuals, np.clip(x, low, high), self.jacobian, bounds=(low, high), loss="soft_l1",
-                    x_scale=np.maximum(np.abs(x), 0.1), xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
+                    self.residuals, inside(x, bounds, size), self.jacobian, bounds=bounds, loss="soft_l1",
+                    x_scale=size, xtol=1e-4, ftol=1e-4, max_nfev=TRIALS, args=(points,),
                 )  # fmt: skip
                 x = found.x
+            return self.jacobian(x, means[-1]), ""  # that of `least_squares` is scaled by the loss
         except TimeoutError:
             if self.best is None:
                 reason = f"no run of the loop was computed within {limit:g} s; allow more, or raise E"
                 raise OutOfTime(reason) from None
             return None, f"stopped after {limit:g} s: the values are the best so far"
-        return found.jac, ""
 
 
-def comparison_at(scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...]) -> Comparison:
-    """The Comparison with the run at values x of the free parameters; raises NotConverged, SceneError."""
+def comparison_at(
+    scene: Scene, measured: Recording, free: tuple[str, ...], x: tuple[float, ...], limit: float
+) -> tuple[Comparison | None, float]:
+    """(the Comparison with the run at values x of the free parameters, processor time, s); None beyond the limit, s.
+
+    Raises NotConverged, SceneError.
+    """
+    begun, found = thread_time(), None
     scene = looped(scene.changed(**dict(zip(free, x, strict=True))), measured)
-    return compared(measured, Ran(scene, list(load_path(scene))))
+    with suppress(OutOfTime):
+        found = compared(measured, Ran(scene, list(load_path(scene, limit=limit))))
+    return found, thread_time() - begun
 
 
 def off_of(found: Comparison) -> Floats:
@@ -148,10 +164,10 @@ def fit_of_loop(
         stroke = Measurement.of(first.x[order], values, unit=unit)
         check_plausible(scene, stroke)
         try:
-            start, near = np.array(list(fit(scene, stroke, free, 0.5 * limit).values.values())), True
+            start, near = np.array(list(fit_of_stroke(scene, stroke, free, 0.5 * limit).values.values())), True
         except (*NO_RUN, TimeoutError):  # then the search begins where the scene is
             pass
-    model = LoopModel(scene, measured, free, perf_counter() + limit, executor)
+    model = LoopModel(scene, measured, free, limit, executor)
     jacobian, caution = model.search(start, POINTS[-1:] if near else POINTS, limit)
     assert model.best  # a search computes one run at least, or raises
     _, x, found = model.best
@@ -169,4 +185,4 @@ def fit_of_loop(
     rows = [
         (U_x, f"{name}_bar", seen / units[name], computed / units[name]) for _, U_x, name, seen, computed in found.rows
     ]
-    return Fit(found_at, errors, correlations, chi2, reached, len(model.done), tuple(warnings), rows, off)
+    return Fit(found_at, errors, correlations, chi2, reached, len(model.done), tuple(warnings), (), rows, off)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..tables import DataError
-
-if TYPE_CHECKING:
-    from .comparison import Comparison, Computed
+from .comparison import Comparison, Computed, compared
+from .noise import FEWEST
 
 Floats = NDArray[np.float64]
 BACK = 0.05  # of the range of x: a way back that is longer is another segment, a shorter one is noise
 STILL, LASTING = 1e-3, 0.02  # of the range of x, and of the points: so many within so little are a hold
 VIRGIN = 0.1  # of the amplitude
-FEWEST = 8  # points of a segment; third differences of fewer leave no estimate of the noise
 KINDS = {
     **{"friction": "U_x", "loop": "U_x", "area over displacement": "U_x"},
     **{"load": "delta", "area over force": "F", "area over load": "L"},
@@ -53,6 +51,11 @@ class Recording:
     notes: tuple[str, ...] = ()
 
     @property
+    def over(self) -> str:
+        """What the curve is over: U_x, delta, F or L."""
+        return KINDS[self.kind]
+
+    @property
     def virgin(self) -> bool:
         """Whether a loop begins with the first pull, near U_x = 0."""
         reach = max(float(np.abs(each.x).max()) for each in self.segments)
@@ -72,8 +75,6 @@ class Recording:
 
     def residuals(self, result: Computed) -> Comparison:
         """The curves of a Result beside the measured ones; see `comparison.compared`. Raises ValueError."""
-        from .comparison import compared
-
         return compared(self, result)
 
 

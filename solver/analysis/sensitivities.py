@@ -28,9 +28,9 @@ from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.linearised import Linearised
 from ..run.frame import SlipEvent, forces_and_area, slips_in
 from ..run.load_steps import sideways
-from ..scene import LIMITS, Scene
+from ..scene import LIMITS, Scene, refuse_other
 from ..schema import unknown_name
-from ..threads import one_thread
+from ..threads import computation
 from .partial import Change, continuous, explicit, gradients, over_own, spectra
 
 Floats = NDArray[np.float64]
@@ -52,6 +52,7 @@ class SlipSensitivity:
     values: Floats
     by: dict[str, Floats]
     nodes: Floats
+    scene: Scene
 
     def __repr__(self) -> str:
         U, F, L, A = self.values
@@ -59,7 +60,11 @@ class SlipSensitivity:
         return f"SlipSensitivity({slip}; by {', '.join(self.by)} and by nodes {self.nodes.shape})"
 
     def per_cent(self, scene: Scene) -> dict[str, Floats]:
-        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s in per cent per per cent; nan where one is zero."""
+        """{parameter: (4,)}: change of U_s, F_s, L_s, A_s in per cent per per cent; nan where one is zero.
+
+        Raises SceneError for another scene than that of the run.
+        """
+        refuse_other(scene, self.scene, "run")
         now = self.values
         with np.errstate(divide="ignore", invalid="ignore"):
             return {name: np.where(now != 0.0, d * getattr(scene, name) / now, np.nan) for name, d in self.by.items()}
@@ -96,7 +101,7 @@ class Sensitivities:
     branches: tuple[BranchSensitivity, ...]
 
 
-@one_thread()
+@computation
 def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
     """Derivatives of the slips and curves of a run by its parameters.
 
@@ -140,7 +145,8 @@ def _slips(skeleton, folds):
         by = {name: over_own(scene, name, bars, d) * unit for name, d in fold.by.items()}
         if "width" in by:
             by["width"][0] += sites / scene.nodes
-        slips.append(SlipSensitivity(replace(fold.event, load=load), bars * unit, by, fold.nodes * unit[:, None]))
+        numbers = bars * unit, by, fold.nodes * unit[:, None]
+        slips.append(SlipSensitivity(replace(fold.event, load=load), *numbers, scene))
     return tuple(slips)
 
 
@@ -273,4 +279,4 @@ class _Differentiator:
         event = SlipEvent(float(fold.load), F_bar, L_bar, A_bar, "shear")
         nodes = np.zeros((4, scene.nodes))
         nodes[:, self.contact.part] = np.vstack([dU, dG])
-        return SlipSensitivity(event, np.array([event.load, *outputs]), by, nodes)
+        return SlipSensitivity(event, np.array([event.load, *outputs]), by, nodes, self.scene)

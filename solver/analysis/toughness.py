@@ -19,7 +19,7 @@ from scipy.special import erfcx
 from ..mechanics.cohesive_law import OPENING, tangent
 from ..run.frame import Frame
 from ..scene import Scene
-from ..threads import one_thread
+from ..threads import computation
 from .peeling import edges
 
 LARGEST_ANGLE = radians(80.0)  # of psi: towards pure shear the cohesive zone grows without bound
@@ -39,7 +39,7 @@ class Edge(NamedTuple):
     psi: float  # rad, mode angle of the far field: 0 opening, towards pi/2 shear
 
 
-@one_thread()
+@computation
 def toughness(scene: Scene, psi: ArrayLike) -> NDArray[np.float64]:
     """The energy release rate at which an edge of the contact advances, over its mode angle.
 

@@ -1,7 +1,7 @@
 """A trial of a fit: residuals of the predicted curve over the noise of the data, with their derivatives."""
 
 from math import inf
-from time import perf_counter
+from time import thread_time
 from typing import NamedTuple
 
 import numpy as np
@@ -22,10 +22,11 @@ from .sensitivities import sensitivities
 Floats = NDArray[np.float64]
 EXACT = 1e-4  # of the node spacing: a slip cannot be measured more exactly
 UNIFORM = 12.0**-0.5  # standard deviation of a slip that lies anywhere in an interval, over its length
-RUN_LIMIT = 20.0  # s, of one exact run: 30 times that of the default scene
+RUN_LIMIT = 20.0  # s of processor time, of one exact run: 30 times that of the default scene
 NO_RUN = NotFollowed, NotConverged, SceneError
 # measured U_x = U_x + offset_U (nm); measured F = scale_F F + offset_F, offset_F in units of F_bar
 AXES = {"offset_U": 0.0, "scale_F": 1.0, "offset_F": 0.0}
+OFF = 0.1  # typical sizes from the end of a range at which a search starts; from the end itself it never leaves it
 # of parameters that may be 0: an indentation of delta_n, a part of a lattice period in nm; offset_F: of the range of F
 SIZES = {"delta_bar": 0.1, "offset_U": 1.0, "offset_F": 0.1}
 
@@ -48,11 +49,19 @@ class Trial(NamedTuple):
         return 0.5 * float(self.residuals @ self.residuals)
 
 
+def inside(x: Floats, bounds: Floats, sizes: Floats) -> Floats:
+    """x (n,) within bounds (2, n), OFF typical sizes (n,) from an end at which it lies: there steps have no room."""
+    low, high = bounds
+    off = np.minimum(OFF * sizes, 0.5 * (high - low))
+    close = 1e-3 * off
+    return np.where(x <= low + close, low + off, np.where(x >= high - close, high - off, x))
+
+
 class Model:
     """Residuals and derivatives as functions of the free parameters; each run is continued from the last one.
 
-    scene: values of the other parameters. end: time (perf_counter) after which TimeoutError is raised. best: the Trial
-    of least cost since `restart`; runs: trials computed so far.
+    scene: values of the other parameters. end: processor time of this thread (`thread_time`) after which TimeoutError
+    is raised. best: the Trial of least cost since `restart`; runs: trials computed so far.
     """
 
     def __init__(self, scene: Scene, measured: Measurement, free: tuple[str, ...], end: float = inf):
@@ -73,8 +82,8 @@ class Model:
         self.skeleton = skeleton
 
     def start(self) -> Floats:
-        """Parameters x (n,) of the scene."""
-        return np.clip([self._first(name) for name in self.free], *self.bounds())
+        """Parameters x (n,) of the scene, off the ends of their ranges."""
+        return inside(np.array([self._first(name) for name in self.free]), self.bounds(), self.sizes())
 
     def _first(self, name):
         return AXES[name] if name in AXES else getattr(self.scene, name)
@@ -107,7 +116,7 @@ class Model:
     def _trial(self, x):
         """The Trial of x, and remember it."""
         if self.last is None or not np.array_equal(x, self.last.x):
-            if perf_counter() > self.end:
+            if thread_time() > self.end:
                 raise TimeoutError
             self.skeleton = self._run(self.scene_of(x))
             self.last = self.trial(x, self.skeleton)
@@ -132,7 +141,7 @@ class Model:
 
     def exact(self, scene: Scene) -> Skeleton:
         """The Skeleton of a scene from a run within the time left; raises as `skeleton_of`, and TimeoutError."""
-        left = self.end - perf_counter()
+        left = self.end - thread_time()
         try:
             return skeleton_of(scene, min(RUN_LIMIT, left))
         except OutOfTime:

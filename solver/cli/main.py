@@ -1,6 +1,7 @@
 """The command line, `python -m solver` or `mixed-mode-contact`: its commands, exit codes and listings."""
 
 import argparse
+import codecs
 import os
 import sys
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from numba.core.event import Event, Listener, install_listener
 from .. import NotConverged, Scene, SceneError, __version__
 from ..presets import presets
 from ..scene import CHOICES, LIMITS, PARAMETERS
+from ..text import named
 from ..threads import one_thread
 from .accuracy import add_accuracy
 from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, InputError, program
@@ -42,8 +44,10 @@ class CompilingNotice(Listener):
 
 def process() -> int:
     """Runs `main` as a process of its own; returns the exit code, also where `| head` ends standard output early."""
-    if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # some terminals cannot show the Greek letters of units
+    codecs.register_error("solver", named)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="solver")  # some terminals and files cannot show the Greek letters of units
     try:
         try:
             with install_listener("numba:compile", CompilingNotice()):
@@ -102,8 +106,10 @@ def parameter_table() -> str:
         words = (f"{word}: {meaning}" for word, meaning in CHOICES.get(name, {}).items())
         for text in (parameter.meaning, *words):
             lines += wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + "  ")
-    file = "columns x, z in nm, for surface=measured; all of its length is used, or the middle part of a width given"
-    return "\n".join([*lines, "profile     the name of a file", *wrap(file, COLUMNS, initial_indent=indent)])
+    file = "columns x, z in nm, for surface=measured; all of its length is used, or the middle part of a width given;"
+    file += " in Python, Scene takes measured=read_profile(FILE)"
+    lines += ["profile     the name of a file", *wrap(file, COLUMNS, initial_indent=indent, subsequent_indent=indent)]
+    return "\n".join(lines)
 
 
 def preset_table() -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..presets import preset
 from ..profile import read_profile
+from ..run.loadpath import SOFT_LIMIT
 from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
 from ..tables import DataError
 from ..text import number_from_text, scene_from_text
@@ -41,6 +42,12 @@ def add_command(commands: Any, name: str, run: Callable, summary: str, text: str
 def add_file(parser: argparse.ArgumentParser, option: str, content: str, **options: Any) -> None:
     """Adds --option FILE."""
     parser.add_argument(f"--{option}", type=_writable, metavar="FILE", help=f"write {content}", **options)
+
+
+def add_limit(parser: argparse.ArgumentParser) -> None:
+    """Adds --limit S."""
+    text = f"processor time of a run, default none, but {SOFT_LIMIT:g} s for a soft layer"
+    parser.add_argument("--limit", type=float, metavar="S", help=text)
 
 
 def count(text: str) -> int:

@@ -4,16 +4,19 @@ import argparse
 import sys
 from collections import deque
 from contextlib import suppress
+from math import inf
 from time import perf_counter
 from typing import Any
 
 from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
+from ..continuation.state import Outcome
 from ..files import report_of, write_json, write_npz, write_table
 from ..results import Result, ended, with_progress
 from ..run.held_load import held_at
+from ..run.loadpath import deadline, time_limit
 from ..text import counted
-from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, caution, write
+from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_limit, caution, write
 
 # These small runs stick and slip: they load or compile every kernel before the clock starts. The patch of the first is
 # a part of the cell, that of the second all of it: arrays of another layout, for which Numba compiles again.
@@ -30,6 +33,7 @@ def add_run(commands: Any) -> None:
     parser.add_argument("--method", choices=METHODS, default="fast", help="default fast; gfmd is the slower reference")
     load = "hold this normal load during the shear, in place of delta_bar and hold; negative for a pull"
     parser.add_argument("--load", type=float, metavar="N/m", help=load)
+    add_limit(parser)
     add_file(parser, "csv", "the curves: a row per increment")
     add_file(parser, "npz", "curves and fields of the increments after the approach")
     add_file(parser, "json", "scene, version, method and summary, for `verify`")
@@ -41,12 +45,17 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
     if arguments.load is not None:
-        scene, *_ = held_at(scene, arguments.load)
+        scene, *_ = held_at(scene, arguments.load, deadline(time_limit(scene, arguments.limit), inf))
         print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {arguments.load:g} N/m")
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    result, interrupted = compute(scene, arguments.method)
+    limit = time_limit(scene, arguments.limit) if arguments.method == "fast" else arguments.limit or inf
+    if arguments.limit is None and limit < inf:
+        caution(
+            [f"So soft a layer may take long. The run ends after {limit:g} s of processor time: --limit allows more."]
+        )
+    result = compute(scene, arguments.method, limit)
     frames, failure = result.frames, result.failure
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure, result.outcome)
     caution(sentence for sentence in report["cautions"] if sentence not in before)
@@ -58,21 +67,23 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.json, write_json, report)
     if failure is not None:
         print(failure, file=sys.stderr)
-    return INTERRUPTED if interrupted else 0 if report["converged"] else NOT_CONVERGED
+    if result.outcome is Outcome.INTERRUPTED:
+        return INTERRUPTED
+    return 0 if report["converged"] else NOT_CONVERGED
 
 
-def compute(scene: Scene, method: str) -> tuple[Result, bool]:
-    """(the Result of a whole load path up to its end or a failure, whether it was interrupted)."""
+def compute(scene: Scene, method: str, limit: float = inf) -> Result:
+    """The Result of a load path, to its end, a failure or an interruption; limit: processor time, s."""
     frames: list[Frame] = []
     try:
-        for frame in with_progress(scene, load_path(scene, method=method), leave=False, disable=None):
+        for frame in with_progress(scene, load_path(scene, method=method, limit=limit), leave=False, disable=None):
             frames.append(frame)
     except NotConverged as error:
-        return ended(scene, frames, error), False
+        return ended(scene, frames, error)
     except KeyboardInterrupt:
         position = f"at {frames[-1].stage} increment {frames[-1].index}" if frames else "before the first increment"
-        return Result(scene, frames, f"Interrupted {position}; run again to finish"), True
-    return Result(scene, frames), False
+        return Result(scene, frames, f"Interrupted {position}; run again to finish", outcome=Outcome.INTERRUPTED)
+    return Result(scene, frames)
 
 
 def described(report: dict[str, Any], increments: int, parted: str = "") -> str:
@@ -84,7 +95,7 @@ def described(report: dict[str, Any], increments: int, parted: str = "") -> str:
     if report["U_s"] is not None:
         first = f"first slip at U_x = {report['U_s']:.2f} nm: {shown('F', 'F_s', 'N/m')}, {shown('A', 'A_s', 'nm')}"
     elif "L_min" in report:
-        first = f"least load of the retraction: {shown('L', 'L_min', 'N/m')}"
+        first = f"largest pull {shown('L', 'L_min', 'N/m')}, parting load {shown('L', 'L_off', 'N/m')}"
     elif report["slips"]:
         first = "none along U_x"
     else:

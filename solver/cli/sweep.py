@@ -10,7 +10,7 @@ from ..files import write_table
 from ..scene import LIMITS, PARAMETERS, Scene
 from ..schema import unknown_name
 from ..text import number_from_text
-from .options import NOT_CONVERGED, add_command, add_file, count, settings, write
+from .options import NOT_CONVERGED, add_command, add_file, add_limit, count, settings, write
 
 FORM = "NAME=VALUE,VALUE,..."
 COMPUTED = ("slips", "no slip")  # outcomes that are results
@@ -23,6 +23,7 @@ def add_sweep(commands: Any) -> None:
     parser = add_command(commands, "sweep", swept, "first slips of combinations of values", text, epilog)
     parser.add_argument("--over", nargs="+", action="extend", required=True, metavar=FORM, help="values of parameters")
     parser.add_argument("--workers", type=count, default=1, metavar="N", help="number of processes, default 1")
+    add_limit(parser)
     add_file(parser, "csv", "a row per combination")
 
 
@@ -30,7 +31,7 @@ def swept(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes, prints and writes the rows; 1 if a combination has no result."""
     values = {name: _values(name, text) for name, text in settings(arguments.over, "--over", FORM).items()}
     with processes(arguments.workers) if arguments.workers > 1 else nullcontext() as executor:
-        table = sweep(scene, executor, **values)
+        table = sweep(scene, executor, arguments.limit, progress=True, **values)
     print(table.to_string(index=False))
     write(arguments.csv, write_table, table)
     return 0 if table["outcome"].isin(COMPUTED).all() else NOT_CONVERGED

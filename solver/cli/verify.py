@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 
 from .. import METHODS, Profile, Scene, SceneError, summarize
+from ..continuation.state import Outcome
 from ..files import SCHEMA, origin, plain
+from ..run.loadpath import time_limit
 from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
-from .options import NOT_CONVERGED, InputError
+from .options import NOT_CONVERGED, InputError, add_limit
 from .run import compute
 
-SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "slips"  # of a summary
+SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "L_off", "slips"  # of a summary
 NUMBERS = "U_x", "delta", "F", "L", "A"  # of an event or a frame
 NEEDED = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
 
@@ -25,6 +27,7 @@ def add_verify(commands: Any) -> None:
     text = "Repeats the run of a JSON or NPZ file. Exit code 0: the same; 1: something differs, which is listed."
     parser = commands.add_parser("verify", help="repeat a file's run and compare", description=text)
     parser.add_argument("file", metavar="FILE", help="a JSON or NPZ file of a run")
+    add_limit(parser)
     parser.set_defaults(command=verify)
 
 
@@ -38,8 +41,8 @@ def verify(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.file!r}: {error.strerror}; {NEEDED}") from None
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
         raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {NEEDED}") from None
-    result, interrupted = compute(scene, report["method"])
-    if interrupted:
+    result = compute(scene, report["method"], time_limit(scene, arguments.limit))
+    if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
     frames, failure = result.frames, result.failure
     after = [frame for frame in frames if frame.stage != "approach"]
@@ -81,14 +84,15 @@ def _read(file):
         print(f"{name} = {given.pop(name)}: {RETIRED[name]}")
     if measured := given.pop("measured", None):
         given["measured"] = Profile(measured["length"], measured["heights"], tuple(measured["notes"]))
-    recorded = {name: arrays[name] for name in (*NUMBERS, "u", "T")} if arrays else _numbers(report)
+    written = [name for name in SUMMARY if name in report]  # a file of an earlier version has fewer
+    recorded = {name: arrays[name] for name in (*NUMBERS, "u", "T")} if arrays else _numbers(report, written)
     return report, Scene(**given), {name: np.asarray(values, float) for name, values in recorded.items()}
 
 
-def _numbers(report):
+def _numbers(report, names=SUMMARY):
     """{quantity: values} of a summary with its events."""
     events = {f"events: {name}": [event[name] for event in report["events"] if name in event] for name in NUMBERS}
-    return {name: [report.get(name)] for name in SUMMARY} | events
+    return {name: [report.get(name)] for name in names} | events
 
 
 def _difference(a, b):

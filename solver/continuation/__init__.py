@@ -2,6 +2,8 @@
 
 problem      the contracts, as Protocols: of a problem, and of the methods that advance its states
 state        an equilibrium, with what the next increment may use of those before it
+compiled     the decorator of compiled functions
+vectors      compiled functions of vectors
 anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length
 rest         whether an equilibrium is stable under the motion; if not, which mode grows, and how fast

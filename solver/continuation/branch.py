@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from .anderson import dot
 from .fold import FoldOptions, fold_near
 from .onset import mixed, onset
 from .state import MOVED, PAST, TINY, End, Point, State
 from .trace import lagrange
+from .vectors import dot
 
 # With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches
 # that fail on very soft layers (E = 1) take twice as long. With rough null vectors of thousands of soft nodes, steps go

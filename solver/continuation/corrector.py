@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .anderson import Secants, advance, dot
+from .anderson import Secants
 from .inverse import Inverse
+from .vectors import advance, dot
 
 MEMORY = 20  # secant pairs; 40 save 3 % of the evaluations, but double the algebra of a step
 LONGEST = 0.15  # units of the problem, largest change of an unknown in one step; longer ones land on other branches

@@ -6,13 +6,11 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 from scipy.linalg.lapack import dtrtrs
 
-from .anderson import dot
-from .compiled import kernel
+from .vectors import dot, orthonormalise, project
 
 ACCURACY = 1e-3  # of a solve, residual over right side; at 1e-2 a mode that hardly loads the unknowns was missed
 # most products with the tangent in all solves at one equilibrium: on soft layers, a search takes 90 to 230
 PRODUCTS = 240
-LITTLE = 0.1  # of a vector, left by a projection: its round-off is ten times as large, which is negligible
 REFINED = 4  # most solves with factors of single precision, each of which corrects the one before
 ROOM = 16  # pairs at first, as many as most searches need: memory for all, never touched, took half of a search's time
 
@@ -36,7 +34,7 @@ class Inverse:
     def reduced(self, b: np.ndarray, accuracy: float = ACCURACY) -> tuple[np.ndarray, np.ndarray]:
         """The same w, and b - A w."""
         r, shares = b.copy(), np.empty(self.most)
-        _project(self._q, 0, self.rows, r, shares)
+        project(self._q, 0, self.rows, r, shares)
         bound = accuracy**2 * dot(b, b)
         while (rest := dot(r, r)) > bound and self.rows < self.most:
             k = self.rows
@@ -47,7 +45,7 @@ class Inverse:
             if self._shares[k, k] == 0.0:
                 break
             self.rows += 1
-            _project(self._q, k, self.rows, r, shares)
+            project(self._q, k, self.rows, r, shares)
         if not (n := self.rows):
             return np.zeros(self.size), r
         of_z, _ = dtrtrs(self._shares[:n, :n], shares[:n])  # SciPy's solve_triangular takes six times as long for that
@@ -149,37 +147,3 @@ def _without(x, inside):
     out = x.copy()
     out[inside] = 0.0
     return out
-
-
-@kernel
-def orthonormalise(rows, count, q) -> np.ndarray:
-    """Append q (size,) to `rows`, made orthonormal to the first `count`; return its shares (count + 1,) in these rows.
-
-    The last share is 0 if q depends on the others, or there is no room. Overwrites q.
-    """
-    shares, before = np.zeros(count + 1), np.sqrt(dot(q, q))
-    rest = before
-    for _ in range(2):
-        last = rest
-        for k in range(count):
-            share = dot(rows[k], q)
-            shares[k] += share
-            for i in range(q.size):
-                q[i] -= share * rows[k, i]
-        rest = np.sqrt(dot(q, q))
-        if rest > LITTLE * last:
-            break
-    if rest > 1e-10 * before and count < rows.shape[0]:
-        shares[count] = rest
-        for i in range(q.size):
-            rows[count, i] = q[i] / rest
-    return shares
-
-
-@kernel
-def _project(q, first, last, r, shares):
-    """Subtract from r its projection on the rows of q from first to last, and fill their shares."""
-    for k in range(first, last):
-        shares[k] = dot(q[k], r)
-        for i in range(r.size):
-            r[i] -= shares[k] * q[k, i]

@@ -15,6 +15,7 @@ Infinite damping is the overdamped limit of uniform mobility, gamma u' = K (U - 
 Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRevB.99.144103.
 """
 
+from functools import cached_property
 from math import ceil, log2, sqrt
 
 import numpy as np
@@ -99,9 +100,13 @@ class Motion:
 
     def swing(self) -> np.ndarray:
         """Amplitudes in y that the modes would reach by their velocities against the layer alone: K^-1/2 u'."""
+        return _applied(self._softness, self.change / self.step)
+
+    @cached_property
+    def _softness(self):
+        """K^-1/2; it stays the same during a motion."""
         least = 0.25 * self.dynamics.critical**2  # k_min, also for the uniform mode, which a held load leaves free
-        root = of_blocks(self.dynamics.stiffness, lambda k: np.maximum(k, least) ** -0.5)
-        return _applied(root, self.change / self.step)
+        return of_blocks(self.dynamics.stiffness, lambda k: np.maximum(k, least) ** -0.5)
 
 
 class ExplicitMotion(Motion):

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .anderson import dot
 from .state import SHARP, TINY, End, Point, State
+from .vectors import dot
 
 
 def onset(corrector, judge, state, older, after, mode) -> End | None:

@@ -12,16 +12,13 @@ may flutter at a damping below the safe one of `flutter`: all mu of small proble
 elsewhere a frame estimates that damping when asked.
 """
 
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from .inverse import Inverse, orthonormalise
-from .state import ROUND_OFF, TINY
-
-UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
-
+from .inverse import Inverse
+from .state import ROUND_OFF, TINY, Mode
+from .vectors import orthonormalise
 
 # A growth is compared with twice the decay of the layer's slowest mode, |mu| with k_min, unless the comment differs.
 # Most vectors that a search adds. Of smaller disturbances all mu are computed. Searches of tests/bench/constants.py add
@@ -38,32 +35,6 @@ CLEAR = 0.4
 # cells was unstable (tests/bench/rests.py). Towards a fold, margin and movement shrink as the root of the distance in
 # load
 FAR = 0.5
-
-
-@dataclass(frozen=True)
-class Mode:
-    """The disturbance x of an equilibrium that grows fastest; the next search starts from it."""
-
-    growth: float  # 1/time
-    mu: complex  # GPa/nm
-    x: np.ndarray | None  # (size,) unknowns, of any length
-    basis: tuple = ()  # pairs (x (N,), K x (N,) GPa), of unit length, with mu near zero
-    v: np.ndarray | None = None  # (size,) the state that was searched
-    margin: float = 0.0  # distance from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J in the basis
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickled, the basis has single precision: a search only starts from it."""
-        return vars(self) | {"basis": tuple((x.astype("f4"), layered.astype("f4")) for x, layered in self.basis)}
-
-    @property
-    def rests(self) -> bool:
-        """Whether the equilibrium is stable, to UNSTABLE."""
-        return self.growth <= UNSTABLE
-
-    @property
-    def kind(self) -> str:
-        """The kind of end at its onset, as of `state.End`, unless that is a fold."""
-        return "flutter" if abs(self.mu.imag) > ROUND_OFF * abs(self.mu) else "bifurcation"
 
 
 class Judge:

@@ -1,16 +1,15 @@
 """The state of a run: an equilibrium with what the next increment may use; slips; and how increments fail."""
 
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .anderson import Secants
 
-if TYPE_CHECKING:
-    from .rest import Mode
-
 ROUND_OFF = 1e-9  # relative difference that round-off may make, of eigenvalues and of loads
+UNSTABLE = 1e-6  # growth, 1/time, above which an equilibrium is unstable: round-off of flats makes 1e-8
 TINY = 1e-300  # nonzero, in place of a zero in a denominator
 # states of a branch by whose polynomial it is extrapolated in the load; with 4 a run takes 2 % more evaluations, and
 # has the same slips
@@ -27,6 +26,7 @@ class Outcome(StrEnum):
     RESTLESS = "restless"
     OUT_OF_TIME = "out of time"
     LOST = "lost"
+    INTERRUPTED = "interrupted"
 
     @property
     def reached(self) -> bool:
@@ -40,6 +40,7 @@ SENTENCES = {
     Outcome.RESTLESS: "A motion did not come to rest.",
     Outcome.OUT_OF_TIME: "An increment took longer than its limit of time.",
     Outcome.LOST: "No equilibrium was found within the tolerance.",
+    Outcome.INTERRUPTED: "The run was interrupted from outside.",
 }
 
 
@@ -81,6 +82,32 @@ class Point(NamedTuple):
     v: np.ndarray  # (size,)
 
 
+@dataclass(frozen=True)
+class Mode:
+    """The disturbance x of an equilibrium that grows fastest; the next search starts from it."""
+
+    growth: float  # 1/time
+    mu: complex  # GPa/nm
+    x: np.ndarray | None  # (size,) unknowns, of any length
+    basis: tuple = ()  # pairs (x (N,), K x (N,) GPa), of unit length, with mu near zero
+    v: np.ndarray | None = None  # (size,) the state that was searched
+    margin: float = 0.0  # distance from a fold, in stiffness: one minus the largest eigenvalue of K^-1 J in the basis
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickled, the basis has single precision: a search only starts from it."""
+        return vars(self) | {"basis": tuple((x.astype("f4"), layered.astype("f4")) for x, layered in self.basis)}
+
+    @property
+    def rests(self) -> bool:
+        """Whether the equilibrium is stable, to UNSTABLE."""
+        return self.growth <= UNSTABLE
+
+    @property
+    def kind(self) -> str:
+        """The kind of end at its onset, as of `state.End`, unless that is a fold."""
+        return "flutter" if abs(self.mu.imag) > ROUND_OFF * abs(self.mu) else "bifurcation"
+
+
 class State(NamedTuple):
     """An equilibrium, with what the next increment may use of the states before it."""
 
@@ -90,7 +117,7 @@ class State(NamedTuple):
     secants: Secants | None = None
     # (size,) unknowns at which the preconditioner of the corrector is formed; None: Anderson steps need none
     sharp: np.ndarray | None = None
-    mode: "Mode | None" = None  # the one that grows fastest, as judged last
+    mode: Mode | None = None  # the one that grows fastest, as judged last
     # True after the load control changed: the next increment checks its stability first, and lets it relax
     unsure: bool = False
     residual: float = np.inf  # nm

@@ -15,8 +15,8 @@ from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness
 from ..run.load_steps import sideways, vertical
-from ..scene import CHOICES, LIMITS, Scene, SceneError
-from ..threads import one_thread
+from ..scene import CHOICES, LIMITS, Scene, SceneError, checked_scene
+from ..threads import computation
 from .moved import NotFollowed, Solver, moved_branch, moved_folds
 from .refinement import refined
 from .skeleton import Held, Skeleton
@@ -34,7 +34,7 @@ SIGN_ACCURACY = 1e-3  # relative, of a linear solve: only the sign of its result
 TWO_STATES = 0.1  # units: states farther apart are two equilibria; with and without contact they differ by a unit
 
 
-@one_thread()
+@computation
 def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
     """Continues a run to other parameters, for a small share of its cost.
 
@@ -46,6 +46,7 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
 
     Example: `follow(skeleton_of(Scene()), Scene(E=72.0)).slips`
     """
+    checked_scene(scene)
     for name in DISCRETE:
         if getattr(skeleton.scene, name) != getattr(scene, name):
             raise NotFollowed(f"{name} does not change continuously")

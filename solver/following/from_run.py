@@ -8,8 +8,8 @@ import numpy as np
 from ..continuation.trace import Trace
 from ..mechanics.contact import patch
 from ..run.loadpath import Checkpoint, until
-from ..scene import Scene
-from ..threads import one_thread
+from ..scene import Scene, checked_scene, refuse_other
+from ..threads import computation
 from .follow import moved_at_once
 from .moved import NotFollowed
 from .refinement import forces_of, thinned
@@ -27,7 +27,7 @@ SLIP_ERROR = 1e-4  # nm: error of slips that followed runs promise to stay below
 def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
     """Computes a run and describes it by its branches, for `follow` and `sensitivities`.
 
-    Parameters: scene; limit: the longest time, s.
+    Parameters: scene; limit: processor time, s.
     Returns the Skeleton of the run.
     Raises NotFollowed where the run has none, NotConverged as the run does, OutOfTime over the limit.
 
@@ -41,13 +41,14 @@ def skeleton_of(scene: Scene, limit: float = inf) -> Skeleton:
     return replace(skeleton, evaluations=skeleton.evaluations + spent)
 
 
-@one_thread()
+@computation
 def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     """Describes a run by its branches: evaluates each state, and solves those that do not hold.
 
     Parameters: scene; checkpoint: at the end of its run, or where the run begins to repeat itself.
     Returns the Skeleton of the run.
-    Raises NotFollowed where the run has no skeleton, or one that does not describe it.
+    Raises NotFollowed where the run has no skeleton, or one that does not describe it, SceneError for the checkpoint of
+    another scene.
 
     Example: `skeleton_from(Scene(), advance(Scene(), budget=60.0)[1])`
     """
@@ -55,6 +56,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
     if not isinstance(checkpoint, Checkpoint):
         remedy = "give the checkpoint that `advance` returns, or use skeleton_of(scene)"
         raise TypeError(f"checkpoint = {type(checkpoint).__name__}; allowed: a Checkpoint; {remedy}")
+    refuse_other(scene, checkpoint.scene, "checkpoint")
     trace = checkpoint.trace if checkpoint.stage == "shear" else None
     if trace is None or trace.branches[0].start != 0.0 or len(trace.branches[0].states) < 2 > len(trace.branches):
         raise NotFollowed("the run has not slid yet, or was not recorded from its start")
@@ -67,7 +69,7 @@ def skeleton_from(scene: Scene, checkpoint: Checkpoint) -> Skeleton:
 
 
 def _refuse_path(scene):
-    if scene.path != "shear":
+    if checked_scene(scene).path != "shear":
         raise NotFollowed(f"path = {scene.path!r} cannot be followed: use path=shear")
 
 

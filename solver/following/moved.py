@@ -69,7 +69,7 @@ class Solver:
         if fold is None:
             raise NotFollowed(f"{what} is no longer a fold, or has moved too far", nearer=True)
         self._check(fold.v, fold.residual, what)
-        return fold
+        return fold._replace(sensitive=guess.sensitive)  # where it landed was; `certify` tells whether it is
 
     def _check(self, v, residual, what):
         self.residual = max(self.residual, float(residual))

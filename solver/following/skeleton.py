@@ -94,10 +94,10 @@ class Skeleton:
             events.append(SlipEvent(0.0, *at_end, "shear", self.held.kind, True))
         at_ends = [forces_and_area(self.scene, self.tractions(b.states[-1].v[None])[0]) for b in self.branches]
         for index, turns in self.trace.passes():
-            load = float(self.branches[index].end + turns * self.period)
-            if self.branches[index].slip is None or load > self.scene.u_x_max:
+            load, slip = float(self.branches[index].end + turns * self.period), self.branches[index].slip
+            if slip is None or load > self.scene.u_x_max:
                 break
-            events.append(SlipEvent(load, *at_ends[index], "shear"))
+            events.append(SlipEvent(load, *at_ends[index], "shear", sensitive=slip.sensitive))
         return tuple(events)
 
     def curve(self, U_x: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

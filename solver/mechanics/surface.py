@@ -1,12 +1,13 @@
 """The transient of the whole surface, whose rests are the equilibria: the Dynamics of `continuation.problem`."""
 
 from functools import cached_property
+from math import e, inf
 
 import numpy as np
 
 from ..continuation.motion import of_blocks
 from . import cohesive_law
-from .layer import Transform, multiply
+from .layer import Modes, Transform, multiply
 
 SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
 
@@ -91,6 +92,28 @@ class Surface:
         """The largest stiffness of the interface in v, GPa/nm: a bound on dT/du by row sums."""
         t = np.abs(self.contact.tangents(self.problem.surface(v)))
         return float(max((t[0] + t[1]).max(), (t[2] + t[3]).max()))
+
+
+def least_modulus(scene) -> float:
+    """Young's modulus, GPa, from which the surfaces can rest apart at delta_0, where an approach begins; inf: at none.
+
+    To first order the attraction T draws the surface down by C T. Nearer it grows as exp(u/delta_n), and u = c exp(u)
+    has a solution up to c = 1/e: so C T must not exceed delta_n/e. Of C, all but the drive's share falls as 1/E.
+    """
+    T = cohesive_law.traction(scene, np.zeros(scene.nodes), scene.profile + scene.delta_0)[1]
+    drawn = -np.fft.irfft(Modes.of(scene).compliance[1] * np.fft.rfft(T), scene.nodes)
+    most = float(drawn.max())
+    by_drive = -scene.drive_compliance[1] * float(T.mean())
+    room = scene.delta_n / e - by_drive
+    return scene.E * (most - by_drive) / room if room > 0.0 else inf
+
+
+def too_soft(scene) -> str:
+    """What to do where the surfaces cannot rest apart at delta_0, where an approach begins; "" where they can."""
+    least = least_modulus(scene)
+    if least <= scene.E:
+        return ""
+    return f"use E={1.01 * least:.3g} or more" if least < inf else "use a larger drive_n, or a smaller phi_n"
 
 
 def closed_stiffness(scene) -> float:

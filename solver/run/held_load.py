@@ -83,7 +83,7 @@ def _passed(scene, problem, frames, checkpoint):
         end._replace(v=displaced(end.v, end.load).ravel(), phi=placed(end.phi).ravel(), psi=None)
         for end in checkpoint.trace.jumps
     )
-    return moved, Checkpoint(increment=checkpoint.increment, state=state, trace=Trace.of(state, jumps))
+    return moved, Checkpoint(increment=checkpoint.increment, state=state, trace=Trace.of(state, jumps), scene=scene)
 
 
 def _under(run, before, frame, wanted):

@@ -11,17 +11,20 @@ import numpy as np
 from ..continuation.gfmd import Gfmd
 from ..continuation.quasistatic import QuasiStatic
 from ..continuation.replay import advanced
-from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, Restless, State
+from ..continuation.state import NotConverged, Outcome, OutOfTime, PulledOff, State
 from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
-from ..mechanics.surface import closed_stiffness
-from ..scene import Scene
-from ..threads import one_thread
+from ..mechanics.surface import closed_stiffness, too_soft
+from ..scene import Scene, checked_scene, refuse_other
+from ..threads import computation
 from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
 
 METHODS: Mapping[str, Callable[..., Any]] = MappingProxyType({"fast": QuasiStatic, "gfmd": Gfmd})
+# s of processor time, below a minute. Some scenes with E below 1 GPa exceed it, phi_n of 10 to 20 N/m at E = 5, and
+# phi_ratio 30 at E = 2.5, whose slips take thousands of force evaluations
+SOFT_LIMIT = 50.0
 FREE = 0.1  # delta_n: a layer that is deformed less is detached; adhesion deforms a layer in contact by some delta_n
 # With a drive, or under the other law, every state is searched: modes began to
 # grow up to seven increments before a search (tests/bench/rests.py --more)
@@ -42,20 +45,35 @@ class Checkpoint(NamedTuple):
     failure: str | None = None  # why the run ended early, with a remedy
     outcome: Outcome = Outcome.FINISHED  # of the run, once done
     load_steps: tuple[LoadStep, ...] | None = None  # the path, once begun
+    scene: Scene | None = None  # of the run, once begun: no other one continues it
     pressure: float | None = None  # GPa; mean normal traction after the last step at given delta: the load to hold
 
 
-def load_path(scene: Scene, method: str | Callable[..., Any] = "fast", replay: bool = True) -> Iterator[Frame]:
+def time_limit(scene: Scene, limit: float | None = None) -> float:
+    """Processor time (s) after which a run ends: `limit`, or if that is None SOFT_LIMIT for a soft layer, else inf.
+
+    A layer is soft where phi_n/E exceeds delta_n, or phi_t/E delta_t: so far adhesion and friction stretch it.
+    """
+    if limit is not None:
+        return limit
+    soft = scene.phi_n > scene.E * scene.delta_n or scene.phi_t > scene.E * scene.delta_t
+    return SOFT_LIMIT if soft else inf
+
+
+def load_path(
+    scene: Scene, method: str | Callable[..., Any] = "fast", replay: bool = True, limit: float = inf
+) -> Iterator[Frame]:
     """Computes the increments of a scene, one by one.
 
     Parameters: scene; method: a name in METHODS, "fast" or "gfmd"; replay: whether the fast method moves known states
-    on by lattice periods where sliding repeats itself, and verifies them.
+    on by lattice periods where sliding repeats itself, and verifies them; limit: processor time of the run, s.
     Returns an iterator of Frames.
-    Raises NotConverged where an increment has no equilibrium in reach, ValueError for a name not in METHODS.
+    Raises NotConverged where an increment has no equilibrium in reach, OutOfTime after the limit, ValueError for a name
+    not in METHODS.
 
     Example: `next(load_path(Scene())).L`
     """
-    yield from (frame for frame, _ in Run(scene, method, replay).frames())
+    yield from (frame for frame, _ in Run(scene, method, replay).frames(whole=limit))
 
 
 def until(
@@ -63,31 +81,37 @@ def until(
 ) -> Iterator[tuple[Frame, Checkpoint]]:
     """Yield each Frame of `load_path` with the Checkpoint after it, up to the first for which `stop` holds.
 
-    Raises OutOfTime after `limit` s on the clock.
+    Raises OutOfTime after `limit` s of processor time.
     """
-    for frame, checkpoint in Run(scene).frames(observe=deadline(limit, 0.0)):
+    for frame, checkpoint in Run(scene).frames(whole=limit):
         yield frame, checkpoint
         if stop is not None and stop(frame):
             return
 
 
-def deadline(limit: float, busy: float = 10.0) -> Callable[..., None] | None:
+def deadline(limit: float, busy: float = 10.0, run: float = 0.0) -> Callable[..., None] | None:
     """A function that raises OutOfTime after `limit` s of processor time, or `busy` more on the clock.
 
-    Other processes may need the cores. busy: 0 and inf limit a whole run, other numbers an increment.
+    Other processes may need the cores. run: the limit of a whole run, for the message, where that is meant; 0: of an
+    increment.
     """
     if limit == inf:
         return None
     end, latest = thread_time() + limit, perf_counter() + limit + busy
     late = f"no equilibrium within {limit:g} s of processor time, or {limit + busy:g} s"
-    if busy in (0.0, inf):
-        late = f"the run takes more than {limit:g} s" + " of processor time" * (busy == inf)
+    if busy == inf:
+        late = f"the run takes more than {run or limit:g} s of processor time"
 
     def observe(*moving):
         if thread_time() > end or perf_counter() > latest:
             raise OutOfTime(late)
 
     return observe
+
+
+def far_of(scene: Scene) -> float | None:
+    """How far states may move without a search, as `far` of `rest.Judge`; None: as usual."""
+    return DRIVEN if any(scene.drive_compliance) or scene.law != "np1" else None
 
 
 class Run:
@@ -99,27 +123,33 @@ class Run:
     def __init__(self, scene, method="fast", replay=True):
         if isinstance(method, str) and method not in METHODS:
             raise ValueError(f"method = {method!r}; allowed: {', '.join(METHODS)}; choose one of them")
-        self.scene, self.method, self.replay = scene, method, replay
+        self.scene, self.method, self.replay = checked_scene(scene), method, replay
         self._fast, self.patch = method == "fast", patch(scene)
         self.stepper = self.done = self._place = None  # _place: load step and pressure that the stepper is for
 
-    def frames(self, checkpoint=None, limit=inf, observe=None) -> Iterator[tuple[Frame, Checkpoint]]:
+    def frames(self, checkpoint=None, limit=inf, observe=None, whole=inf) -> Iterator[tuple[Frame, Checkpoint]]:
         """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
 
-        limit: s of processor time for an increment. observe: a function called at every force evaluation, which may
-        raise to end the run. Raises as `next_frame`.
+        limit, whole: s of processor time for an increment, and for all of them. observe: a function called at every
+        force evaluation, which may raise to end the run. Raises as `next_frame`, SceneError for the Checkpoint of
+        another scene.
         """
         checkpoint = checkpoint or Checkpoint()
+        refuse_other(self.scene, checkpoint.scene, "checkpoint")
+        left = whole
         while not checkpoint.done:
-            frame, checkpoint = self.next_frame(checkpoint, observe or deadline(limit))
+            begun, last = thread_time(), deadline(limit) if whole == inf else deadline(left, inf, whole)
+            frame, checkpoint = self.next_frame(checkpoint, observe or last)
+            left -= thread_time() - begun
             yield frame, checkpoint
 
-    @one_thread()
+    @computation
     def next_frame(self, checkpoint, observe=None) -> tuple[Frame, Checkpoint]:
         """(frame, checkpoint) of the increment that `checkpoint` stands before.
 
-        Raises NotConverged; what `observe` raises.
+        Raises NotConverged; SceneError for the Checkpoint of another scene; what `observe` raises.
         """
+        refuse_other(self.scene, checkpoint.scene, "checkpoint")
         load_steps = checkpoint.load_steps or load_steps_of(self.scene)
         step = next(step for step in load_steps if step.stage == checkpoint.stage)
         stepper = self._stepper_of(step, checkpoint)
@@ -162,8 +192,7 @@ class Run:
         scene = self.scene
         pressure = checkpoint.pressure if step.held else None
         problem = Equilibrium(Contact(scene, *self.patch), step.loading, pressure)
-        sudden = any(scene.drive_compliance) or scene.law != "np1"
-        options = {"far": DRIVEN} if self._fast and sudden else {}
+        options = {"far": far_of(scene)} if self._fast else {}
         method = METHODS.get(self.method, self.method)
         self.stepper, self._place = method(problem, scene.damping, closed_stiffness(scene), **options), place
         return self.stepper
@@ -174,6 +203,7 @@ class Run:
         if last and step.until_free and not self._free(step, problem, state):
             load_steps, last = stretched(load_steps, step), False
         progress = {"increment": index + 1, "state": state, "trace": trace, "load_steps": load_steps}
+        progress["scene"] = self.scene
         if not last:
             return progress
         following = load_steps[load_steps.index(step) + 1 :]
@@ -204,21 +234,27 @@ def with_remedy(failure, scene, step, load, fast=True) -> NotConverged:
     """The same failure of a LoadStep, with the load and a remedy in its message."""
     if isinstance(failure, PulledOff):
         return failure
-    remedy = "try a larger tolerance, or a smaller du_x or du_z"
-    if isinstance(failure, Restless):
-        soft = any(scene.drive_compliance) or step.held
-        overdamped = "damping=inf, " * (soft and scene.damping != inf)
-        weaker = " or a smaller phi_ratio" * (scene.phi_ratio > 0.0)
-        remedy = f"try {overdamped}another indentation or a larger E{weaker}"
-    elif isinstance(failure, OutOfTime):
-        remedy = "allow more time, or try a larger E"
-    elif not fast:
-        remedy = "try a larger tolerance, a smaller du_x or du_z, or method fast"
-    # the law has no potential, so that it may feed an oscillation
-    if scene.damping < 1.0 and failure.outcome is Outcome.RESTLESS:
-        remedy = f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
+    if step.stage == "approach" and load == step.start and (stiffer := too_soft(scene)):
+        why = "the attraction draws so soft a layer into contact where the approach begins"
+        remedy = f"{why}: {stiffer}"
+    else:
+        remedy = _remedy(failure.outcome, scene, step, fast)
     kind = OutOfTime if isinstance(failure, OutOfTime) else NotConverged
     return kind(f"Not converged at {step.loading.name} = {load:.6g} nm: {failure}; {remedy}", failure.outcome)
+
+
+def _remedy(outcome, scene, step, fast):
+    """What to do about a run that ends so."""
+    if outcome is Outcome.OUT_OF_TIME:
+        return "allow more time by limit=, or try a larger E"
+    if outcome is not Outcome.RESTLESS:
+        steps = "or a smaller du_x or du_z" if fast else "a smaller du_x or du_z, or method fast"
+        return f"try a larger tolerance, {steps}"
+    if scene.damping < 1.0:  # the law has no potential, so that it may feed an oscillation
+        return f"try a damping larger than {scene.damping:g}: with so little it may never come to rest"
+    soft = any(scene.drive_compliance) or step.held
+    overdamped = "damping=inf, " * (soft and scene.damping != inf)
+    return f"try {overdamped}another indentation or a larger E{' or a smaller phi_ratio' * (scene.phi_ratio > 0.0)}"
 
 
 def _turned(problem, state, was_held, following):

@@ -8,13 +8,13 @@ from typing import Any
 
 from ..continuation.state import NotConverged, Outcome
 from ..scene import Scene
-from ..threads import one_thread
+from ..threads import computation
 from .frame import Frame, slides_in
 from .loadpath import Checkpoint, Run
 from .summary import first_slip_in
 
 
-@one_thread()
+@computation
 def advance(
     scene: Scene,
     checkpoint: Checkpoint | None = None,
@@ -29,7 +29,7 @@ def advance(
     method: a name in METHODS; limit: processor time of an increment, s; stop: true of the Frame that ends the slice.
     Returns (frames, checkpoint): the Frames of the slice, at least one, and where it ended. If an increment fails,
     checkpoint.outcome says how, and checkpoint.failure names the load and a remedy.
-    Raises ValueError for a method that is not in METHODS.
+    Raises ValueError for a method that is not in METHODS, SceneError for the checkpoint of another scene.
 
     Example: `frames, checkpoint = advance(Scene())`
     """

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..continuation.state import ROUND_OFF
+from ..continuation.state import ROUND_OFF, Outcome
 from ..mechanics.layer import Convolution, Modes
 from .frame import Frame, SlipEvent, largest_safe_damping, slides_in
 from .load_steps import load_steps_of
@@ -99,17 +99,18 @@ def first_slip_in(frames: Sequence[Frame]) -> tuple[Frame, SlipEvent] | None:
     return next(((frame, event) for frame in frames for event in slides_in(frame)), None)
 
 
-def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
+def summarize(frames: Sequence[Frame], outcome: Outcome = Outcome.FINISHED) -> dict[str, Any]:
     """Describes a run in a few numbers, as `run --json` writes them.
 
-    Parameters: frames: all of the run, in order.
+    Parameters: frames: all of the run, in order; outcome: how it ended, as of its Result.
     Returns a dict: A_0 (nm) and the number of slips after the approach; U_s (nm), F_s, L_s (N/m) and A_s (nm) at the
     first slip of a stage that moves U_x, None where it does not exist.
 
     Example: `summarize(simulate(Scene()).frames)["U_s"]`
 
-    A jump where a held load takes over ("control") counts among the slips, but is not the first one. L_min (N/m), the
-    least load of a retraction, exists only with a stage 'unload'.
+    A jump where a held load takes over ("control") counts among the slips, but is not the first one. Only a stage
+    'unload' has L_min (N/m), the largest pull: the least load of the retraction; and L_off (N/m), the parting load:
+    that just before the surfaces part, None where they do not.
     """
     least = least_force(frames)
     events = [values_of(f, event, least) for f in frames for event in f.slips]
@@ -117,7 +118,7 @@ def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
     first: dict[str, Any] = values_of(*found, least) if found else {}
     after = [f for f in frames if f.stage != "approach"]
     summary = {
-        "converged": _converged(frames),
+        "converged": _converged(frames, outcome),
         "evaluations": sum(f.evaluations for f in frames),
         "events": events,
         "safe_damping": (safe := largest_safe_damping(frames)),
@@ -131,20 +132,22 @@ def summarize(frames: Sequence[Frame]) -> dict[str, Any]:
         "A_s": first.get("A"),
     }
     if retraction := [f.L for f in after if f.stage.kind == "unload"]:
-        summary["L_min"] = min(retraction)
+        parted = (event["L"] for event in events if event["kind"] == "pull-off")
+        summary |= {"L_min": min(retraction), "L_off": next(parted, None)}
     return summary
 
 
-def _converged(frames):
-    """Whether the Frames reach the end of the path, each within its tolerance."""
-    if not frames:
+def _converged(frames, outcome):
+    """Whether the Frames reach the end of the path, or a pull-off, each within its tolerance."""
+    if not frames or not outcome.reached or any(f.residual > f.scene.tolerance for f in frames):
         return False
+    if outcome is Outcome.PULLED_OFF:
+        return True
     scene = frames[-1].scene
     last = load_steps_of(scene)[-1]
     if frames[-1].stage != last.stage:
         return False
-    ended = last.loading.load_of(frames[-1]) >= last.at(last.increments) - ROUND_OFF * last.increment
-    return ended and all(f.residual <= scene.tolerance for f in frames)
+    return last.loading.load_of(frames[-1]) >= last.at(last.increments) - ROUND_OFF * last.increment
 
 
 def left_out(frames: Sequence[Frame]) -> dict[str, int]:

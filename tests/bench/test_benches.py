@@ -10,6 +10,7 @@ HERE = Path(__file__).parent
 SMALLEST = {  # bench: (arguments, what it prints)
     "bench": (["--quick", "--scenes", "1"], "cost per increment grows as"),
     "box": (["--every", "120"], "box over default"),
+    "certify": (["--moves", "0", "--box", "1", "--rough", "0", "--wrong", "1"], "another E: refused 6 of 6"),
     "constants": (["--only", "MOVED", "--scenes", "1"], "differ x2 0"),
     "curves": (["--quick", "--set", "nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=8"], "FIRE"),
     "figures": (["--processes", "1", "--repetitions", "1"], "Fig. 5, 120 moduli"),

@@ -40,6 +40,7 @@ from solver.continuation.gfmd import Gfmd
 from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
 from solver.scene import CHOICES, PARAMETERS
+from solver.text import in_ascii
 
 ROOT = Path(__file__).parents[2]
 SMALL = ("nodes=64", "width=160", "u_x_max=2")
@@ -167,7 +168,7 @@ def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
     [
         (("path=points", "points=0,-1;0,.1;10,.2"), "2 slips; first slip at U_x = 4.54 nm: F = 77.56 N/m"),
         (("path=points", "points=0,-1;0,.1;-10,.1"), "slips; first slip at U_x = -"),
-        (("path=points", "points=0,-1;0,.2;0,.1"), "0 slips; least load of the retraction: L = "),
+        (("path=points", "points=0,-1;0,.2;0,.1"), "0 slips; largest pull L = "),
         (("path=points", "points=0,-1;0,.2;0,.3"), "0 slips; the contact sticks or slides smoothly"),
         (("path=points", "points=0,-1;0,-.9;0,.3", "E=5"), "1 slip; none along U_x"),
         (
@@ -322,7 +323,7 @@ def cut_short(monkeypatch):
     """cut_short(error, frames): every load path ends with `error` after that many frames; the warm-up is left alone."""
 
     def cut(error, count):
-        def failing(scene, method):
+        def failing(scene, method, limit=0.0):
             for k, frame in enumerate(load_path(scene, method=method)):
                 if k == count and scene not in run.WARM_UP:
                     raise error
@@ -331,6 +332,23 @@ def cut_short(monkeypatch):
         monkeypatch.setattr(run, "load_path", failing)
 
     return cut
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "cp437"])
+def test_units_keep_their_names_in_an_encoding_without_their_letters(encoding):
+    command, settings = [sys.executable, "-m", "solver", "parameters"], os.environ | {"PYTHONIOENCODING": encoding}
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, env=settings, check=True).stdout.decode(encoding)
+    assert "?" not in listed
+    lines = dict(line.split(" ", 1) for line in listed.splitlines() if line[0] != " ")
+    assert in_ascii(lines["du_x"]).strip() == "0.001 .. 1 delta_t, default 0.1"
+
+
+def test_a_soft_layer_is_named_before_its_run_which_ends_by_the_limit(call):
+    soft = ("run", "--set", "nodes=64", "width=160", "E=0.5")
+    code, _, err = call(*soft, "--limit", "0.01")
+    assert code == 1 and "takes more than 0.01 s of processor time" in err and "So soft a layer" not in err
+    code, _, err = call(*soft, "u_x_max=0", "delta_bar=-1")
+    assert "So soft a layer may take long. The run ends after 50 s of processor time: --limit allows more." in err
 
 
 def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_frames_before(call, tmp_path, cut_short):
@@ -345,6 +363,14 @@ def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_fram
     assert report["converged"] is False
     assert report["failure"] == message
     assert report["evaluations"] > 0
+
+
+def test_a_pull_off_under_a_held_load_is_a_result(call, tmp_path):
+    settings = "nodes=128", "width=320", "radius=1", "du_z=0.2", "du_x=0.2", "hold=load", "delta_bar=-0.1"
+    code, out, err = call("run", "--set", *settings, "--json", tmp_path / "j")
+    report = strict(tmp_path / "j")
+    assert code == 0 and ", converged, " in out and "pulled off at U_x = " in out and "Not conv" not in err
+    assert report["outcome"] == "pulled off" and report["converged"] is True and report["failure"] is None
 
 
 def test_a_failure_of_the_solver_names_the_load_and_a_remedy(call, monkeypatch):
@@ -366,16 +392,18 @@ def test_no_convergence_in_the_approach_still_writes_files(call, tmp_path, cut_s
         assert len(data["U_x"]) == 0
 
 
-def test_an_interrupt_keeps_the_frames_computed(call, tmp_path, cut_short):
+def test_an_interrupt_keeps_the_frames_computed_and_is_named_as_the_outcome(call, tmp_path, cut_short):
     cut_short(KeyboardInterrupt(), 101 + 5)
-    code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c")
+    code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c", "--json", tmp_path / "j")
     assert code == 130
+    report = strict(tmp_path / "j")
+    assert report["outcome"] == "interrupted" and report["converged"] is False and "Interrupted" in report["failure"]
     assert "shear increment 4" in err
     assert len(sheared(tmp_path / "c")) == 5
 
 
 def test_a_residual_above_tolerance_is_never_reported_as_converged(call, tmp_path, monkeypatch):
-    def sloppy(scene, method):
+    def sloppy(scene, method, limit=0.0):
         for frame in load_path(scene, method=method):
             if frame.stage == "shear" and frame.index == 3:
                 frame = replace(frame, residual=2e-5)

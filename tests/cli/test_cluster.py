@@ -1,6 +1,8 @@
 """Maps and sweeps on any executor: processes of this machine, threads, a real dask cluster of two worker processes."""
 
 import os
+import subprocess
+import sys
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 
 import pytest
@@ -23,6 +25,25 @@ def client(tmp_path):
         until(lambda: len(client.ncores()) == 2)
         yield client
     local.stop()
+
+
+SCRIPT = """
+from solver import Axis, Map, Scene, explore_map
+grid = Map(Scene(nodes=64, width=160.0, u_x_max=0.0), Axis("delta_bar", 0.0, 0.1, 2), Axis("E", 60.0, 70.0, 2))
+{}print([point.regime for point in explore_map(grid)])
+"""
+
+
+@pytest.mark.parametrize("guard", ["", 'if __name__ == "__main__": '])
+def test_a_script_without_a_guard_is_answered_by_one_sentence(tmp_path, guard):
+    script = tmp_path / "map.py"
+    script.write_text(SCRIPT.format(guard))
+    run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120)
+    if guard:
+        assert run.stdout.count("sticks") == 4 and not run.stderr
+    else:
+        assert run.stderr.count("Traceback") == 1 and len(run.stderr) < 1200
+        assert run.stderr.splitlines()[-1].endswith('put the call of explore_map under `if __name__ == "__main__":`')
 
 
 def explored(executor):

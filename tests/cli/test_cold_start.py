@@ -2,9 +2,11 @@
 
 import json
 import os
+import pkgutil
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -36,6 +38,18 @@ def test_kernels_are_compiled_for_one_type_whatever_the_scene():
     types = json.loads(run.stdout)
     assert types["_window_sums"] == 1
     assert {name: count for name, count in types.items() if count > 1} == {}
+
+
+def test_no_compiled_function_uses_one_of_another_file():
+    """Numba keeps machine code by the file of the caller: a change of the other file alone would leave it as it was."""
+    places = pkgutil.walk_packages(solver.__path__, "solver.")
+    modules = [import_module(place.name) for place in places if not place.name.endswith("__main__")]
+    kernels = {k for module in modules for k in vars(module).values() if hasattr(k, "nopython_signatures")}
+    assert len(kernels) > 20
+    for kernel in kernels:
+        function, file = kernel.py_func, kernel.py_func.__code__.co_filename
+        used = [function.__globals__.get(name) for name in function.__code__.co_names]
+        assert {k.py_func.__code__.co_filename for k in used if hasattr(k, "nopython_signatures")} <= {file}, function
 
 
 @pytest.mark.thorough

@@ -3,8 +3,10 @@
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from html import escape, unescape
 from math import inf
+from time import thread_time
 from types import SimpleNamespace
 
 import holoviews
@@ -14,11 +16,24 @@ import pytest
 from exact_interior import inside
 
 import solver
-from solver import Axis, Map, Scene, explore_map, load_path, plots, read_profile, simulate, summarize, sweep
+from solver import (
+    Axis,
+    Map,
+    NotConverged,
+    Scene,
+    explore_map,
+    load_path,
+    plots,
+    read_profile,
+    simulate,
+    skeleton_of,
+    summarize,
+    sweep,
+)
 from solver.executors import processes
 from solver.files import report_of, write_npz
 from solver.results import time_limit
-from solver.text import counted
+from solver.text import counted, in_ascii
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, E=30.0, u_x_max=20.0)
 
@@ -105,6 +120,9 @@ def test_slips_of_a_retraction_have_their_indentation():
     assert off["kind"] == "pull-off" and cycle.table["L (N/m)"].min() <= off["L_s (N/m)"] < 0.0
     assert (cycle.slips["kind"] == "pull-off").sum() == 1
     assert list(cycle.pull_off) == [0.0, off["delta_s (nm)"], off["F_s (N/m)"], off["L_s (N/m)"]]
+    numbers = summarize(cycle.frames)
+    assert numbers["L_off"] == cycle.pull_off.L  # the parting load; the largest pull comes before, a fifth larger
+    assert numbers["L_min"] == cycle.table["L (N/m)"].min() < 1.1 * numbers["L_off"] < 0.0
     oblique = simulate(SMALL.changed(path="points", points="0,-1; 0,0.1; 10,0.2"))
     last = oblique.slips.iloc[-1]
     assert last["delta_s (nm)"] == pytest.approx(1.0 + last["U_s (nm)"] * 0.1)  # 1 nm deeper in 10
@@ -126,7 +144,8 @@ def test_cautions_reach_python_html_and_json(tmp_path):
     soft = simulate(SMALL.changed(E=2.0, u_x_max=0.5))
     (sentence,) = (each for each in soft.cautions if each.startswith("The layer is soft"))
     soft.save(tmp_path / "soft.html")
-    for text in (repr(soft), unescape(soft._repr_html_()), unescape((tmp_path / "soft.html").read_text("utf-8"))):
+    assert f"Caution: {in_ascii(sentence)}" in repr(soft)
+    for text in (unescape(soft._repr_html_()), unescape((tmp_path / "soft.html").read_text("utf-8"))):
         assert f"Caution: {sentence}" in text
     assert sentence in report_of(soft.scene, soft.frames, "fast", 0.0, None)["cautions"]
 
@@ -151,7 +170,8 @@ def test_a_run_beyond_its_limit_of_time_keeps_its_increments_and_gives_a_reason(
     early = simulate(result.scene.changed(u_x_max=1000.0), limit=0.2)
     assert early.outcome == "out of time" and early.frames and early.frames[-1].U_x < 1000.0
     assert "Not converged at " in early.failure and "takes more than 0.2 s of processor time" in early.failure
-    assert early.failure.endswith("; allow more time, or try a larger E")
+    assert early.failure.endswith("; allow more time by limit=, or try a larger E")
+    assert simulate(result.scene, limit=60.0).failure is None  # the remedy
     approach = simulate(SMALL, load=0.01, limit=0.0)
     assert approach.outcome == "out of time" and not approach.frames
 
@@ -159,7 +179,39 @@ def test_a_run_beyond_its_limit_of_time_keeps_its_increments_and_gives_a_reason(
 def test_runs_of_layers_softer_than_the_adhesion_have_a_limit_of_time_within_a_minute():
     """phi_n/E is the stretch that adhesion can give a layer; delta_n its range."""
     assert time_limit(Scene()) == time_limit(Scene(E=10.0)) == inf
-    assert time_limit(Scene(E=0.5)) == time_limit(Scene(E=5.0, phi_n=10.0)) < 60.0
+    soft = Scene(E=0.5), Scene(E=5.0, phi_n=10.0), Scene(E=2.5, phi_ratio=30.0, nodes=4096, width=10000.0)
+    assert len({time_limit(scene) for scene in soft}) == 1 and time_limit(soft[0]) < 60.0
+    assert time_limit(soft[0], 3.0) == 3.0 and time_limit(Scene(), 3.0) == 3.0
+
+
+def test_every_entry_takes_a_limit_of_processor_time():
+    with pytest.raises(NotConverged, match="takes more than 0 s of processor time"):
+        list(load_path(SMALL, limit=0.0))
+    with pytest.raises(NotConverged, match="takes more than 0 s of processor time"):
+        skeleton_of(SMALL, limit=0.0)
+    assert "takes more than 0 s" in sweep(SMALL, delta_bar=[0.1], limit=0.0)["outcome"][0]
+    grid = Map(SMALL, Axis("delta_bar", 0.0, 0.1, 2), Axis("E", 60.0, 70.0, 2))
+    with ThreadPoolExecutor(1) as executor:
+        assert all("takes more than 0 s" in point.reason for point in explore_map(grid, executor, limit=0.0))
+
+
+def test_the_time_of_whoever_takes_the_frames_does_not_count():
+    """The limit is twice what the run takes; between two frames its consumer computes a hundredth of a second."""
+
+    def busy():
+        end = thread_time() + 0.01
+        while thread_time() < end:
+            pass
+
+    begun = thread_time()
+    count = len(list(load_path(SMALL)))
+    spent = 2.0 * (thread_time() - begun)
+    assert 0.01 * count > 2.0 * spent
+    frames = 0
+    for _ in load_path(SMALL, limit=spent):
+        frames += 1
+        busy()
+    assert frames == count
 
 
 def test_a_sweep_has_the_first_slip_of_every_combination_in_order():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from solver import DataError, Scene, fit, read_measurement, simulate
+from solver.analysis.loop_fit import POINTS, LoopModel
 from solver.analysis.measurement import Measurement
 from solver.analysis.recording import turns_of
 
@@ -146,6 +147,15 @@ def test_a_fit_of_a_loop_finds_what_made_it_alone_and_by_an_executor(loop, first
         with ThreadPoolExecutor(2) as executor:
             spread = fit(SMALL.changed(E=33.0), data, ["E"], executor=executor)
         assert spread.values == pytest.approx(found.values, rel=1e-6) and spread.reached
+
+
+def test_the_derivatives_of_a_loop_are_those_of_its_residuals_and_it_leaves_the_end_of_a_range(loop):
+    """Points beside slips have large residuals, and the loss of the search scales their derivatives down."""
+    model = LoopModel(SMALL, measured_loop(loop), ("phi_ratio",), np.inf)
+    jacobian, caution = model.search(np.array([0.0]), POINTS, np.inf)
+    _, x, _ = model.best
+    assert not caution and x[0] == pytest.approx(1.0, abs=0.05)
+    assert jacobian == pytest.approx(model.jacobian(x, POINTS[-1]), rel=1e-9)
 
 
 def test_rows_of_a_loop_are_over_the_units_of_their_names(loop):

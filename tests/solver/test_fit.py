@@ -61,10 +61,18 @@ def test_slips_at_a_known_distance_share_one_load(skeleton):
 
 def test_a_fit_recovers_two_parameters_from_another_start(skeleton):
     result = fit(SMALL.changed(E=36.0, delta_bar=0.08), measured(skeleton, load=True), ("delta_bar", "E"))
-    assert result.reached and all(sentence.startswith("given phi_n = 2") for sentence in result.warnings)
+    assert result.reached and not result.warnings
     for name in ("delta_bar", "E"):  # four standard errors: by chance once in 16,000
         assert abs(result.values[name] - getattr(SMALL, name)) < 4.0 * result.errors[name]
         assert 0.0 < result.errors[name] < 0.1 * getattr(SMALL, name)
+
+
+@pytest.mark.parametrize("name, truth, end", [("nu", 0.3, 0.0), ("nu", 0.3, 0.4999), ("phi_ratio", 0.5, 0.0)])
+def test_a_fit_that_starts_at_the_end_of_a_range_leaves_it(name, truth, end):
+    """From the end itself the optimiser never moved; four standard errors: by chance once in 16,000."""
+    data = measured(skeleton_of(SMALL.changed(**{name: truth})))
+    result = fit(SMALL.changed(**{name: end}), data, [name])
+    assert result.reached and abs(result.values[name] - truth) < 4.0 * result.errors[name] < 0.1 * truth
 
 
 def test_a_fit_reaches_stick_slip_from_smooth_sliding():
@@ -146,7 +154,21 @@ def test_a_fit_with_a_wrong_fixed_parameter_names_it():
     data = measured(skeleton_of(SMALL.changed(phi_ratio=0.8)))
     result = fit(SMALL, data, ("phi_n",))
     assert result.reached and abs(result.values["phi_n"] - SMALL.phi_n) > 50.0 * result.errors["phi_n"]
-    assert any("given " in sentence and "phi_ratio = 1" in sentence for sentence in result.warnings)
+    assert "phi_ratio = 1" in result.given and not result.warnings  # all fits to sparse curves carry such a note
+
+
+@pytest.mark.slow
+def test_a_second_minimum_within_the_noise_raises_a_warning():
+    """Truth and start of one of 200 random fits: without a second search, E was 31 of its errors off in silence."""
+    truth = SMALL.changed(u_x_max=24.0, E=17.21, phi_ratio=0.849, delta_bar=-0.016)
+    random, U_x = np.random.default_rng(83), np.linspace(0.0, 24.0, 71)[1:]
+    F = skeleton_of(truth).curve(U_x)[0]
+    data = Measurement.of(U_x, {"F_bar": F + NOISE * np.abs(F).max() * random.normal(size=F.size)})
+    free = "E", "delta_n", "phi_ratio"
+    result = fit(truth.changed(E=20.24, phi_ratio=0.7785, delta_n=1.593), data, free)
+    off = [abs(result.values[name] - getattr(truth, name)) / result.errors[name] for name in free]
+    assert max(off) < 4.0 or any("fits within the noise, too; fix one" in each for each in result.warnings)
+    assert result.warnings
 
 
 def test_a_fit_of_an_instrument_constant_depends_on_no_other_parameter(skeleton):
@@ -261,7 +283,7 @@ def test_a_fit_prints_values_with_errors_and_units_the_verdict_and_its_cautions(
     shown = repr(fit(SMALL.changed(phi_n=2.1), measured(skeleton), ["phi_n"])).splitlines()
     assert re.fullmatch(r"phi_n = (1.9|2|2.0)\d* \+- [\d.e-]+ N/m", shown[0])
     assert shown[1].startswith("The curve fits within the noise: chi^2 = ")
-    assert all(line.startswith("Caution: ") for line in shown[2:])
+    assert shown[-1].startswith("Given: ") and all(line.startswith("Caution: ") for line in shown[2:-1])
 
 
 def test_areas_in_nm_grow_with_a_free_width(skeleton):

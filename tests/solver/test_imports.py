@@ -106,6 +106,20 @@ def test_modules_import_only_from_their_line_of_the_docstring_and_above():
                 assert order[rest[0]] <= order[own], f"{path.relative_to(HERE)} imports {name}"
 
 
+def test_no_modules_import_each_other_in_a_circle_not_even_within_functions():
+    def named(path):
+        parts = path.relative_to(HERE.parent).with_suffix("").parts
+        return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+    files = {named(path): path for path in modules(".")}
+    imports = {  # the folder of a module is made before it, so that all import `solver`
+        module: {one if one in files else one.rpartition(".")[0] for one in imported(path)}
+        & files.keys() - {module, "solver"}
+        for module, path in files.items()
+    }
+    TopologicalSorter(imports).prepare()  # raises CycleError, which names them
+
+
 def test_no_test_imports_another():
     for path in Path(__file__).parents[1].rglob("*.py"):
         borrowed = [name for name in imported(path) if name.split(".")[0].startswith("test_")]

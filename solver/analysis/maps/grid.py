@@ -1,7 +1,7 @@
 """The axes of a map, its points computed from coarse to fine, and its results as arrays and tables."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor
 from contextlib import nullcontext
 from dataclasses import astuple, dataclass
 from itertools import product
@@ -25,6 +25,7 @@ COUNT = 2, 400  # values of an axis: one value is no axis, and 400 x 400 points 
 CONTINUOUS = tuple(name for name, limits in LIMITS.items() if name not in DISCRETE and not limits.whole)
 RUNS = 16  # points at first, which are all runs: their neighbours are too far to follow
 AROUND = 4  # known points nearest to another: at the corners around it, or at the ends of its side
+UNGUARDED = 'the processes ended at once: put the call of explore_map under `if __name__ == "__main__":`'
 
 Place = tuple[int, int]  # (i, j) of a point: columns along x, rows along y
 
@@ -104,13 +105,13 @@ class Map:
             stride //= 2
         return list(listed)
 
-    def task(self, place: Place, known: Mapping[Place, Outcome]) -> Task:
-        """The Task of a place among the known Outcomes."""
+    def task(self, place: Place, known: Mapping[Place, Outcome], limit: float | None = None) -> Task:
+        """The Task of a place among the known Outcomes; limit: as of `explore_map`."""
         values = {axis.name: float(axis.values[k]) for axis, k in zip((self.x, self.y), place, strict=True)}
         near = _nearest(place, known) if len(known) >= RUNS else []
         around, start = tuple(point for point, _ in near[:AROUND]), next((kept for _, kept in near if kept), None)
         keep = not (place[0] % 2 or place[1] % 2)  # so that every other point has one with a Skeleton beside it
-        return Task(self.scene, tuple(values.items()), *place, keep, around, start)
+        return Task(self.scene, tuple(values.items()), *place, keep, around, start, limit)
 
     def array(self, points: Iterable[Point], of: str) -> NDArray[Any]:
         """(y.count, x.count) of a column of Points, nan where there is none; `of` "regime" gives codes, -1 unknown."""
@@ -142,24 +143,30 @@ class Map:
         return plots.first_slips(self.table(points), self.x.name, self.y.name, of)
 
 
-def explore_map(grid: Map, executor: Executor | None = None, ahead: int | None = None) -> Iterator[Point]:
+def explore_map(
+    grid: Map, executor: Executor | None = None, ahead: int | None = None, limit: float | None = None
+) -> Iterator[Point]:
     """Yields the Points of a Map, coarse to fine.
 
     Parameters: executor: any of `concurrent.futures`, or of a cluster (default: a process for each core: then call it
     under `if __name__ == "__main__":`); ahead: how many points the executor computes at a time (default: the number of
-    cores).
+    cores); limit: processor time of a point, s (default: as of `simulate`).
     Returns an iterator of Points, in the order of completion; `grid.table` makes a DataFrame of them. A point that
     could not be computed has a `reason`.
-    Raises RuntimeError for an executor that was shut down.
+    Raises RuntimeError for an executor that was shut down, and where processes end at once.
 
     Example: `grid = Map(Scene(), Axis("delta_bar", -0.2, 0.3, 6), Axis("nu", 0.0, 0.4, 5))`, then
     `grid.table(explore_map(grid))`
     """
     known = dict[Place, Outcome]()
-    tasks = (grid.task(place, known) for place in grid.places())  # made when a process is free, so they know the others
+    tasks = (
+        grid.task(place, known, limit) for place in grid.places()
+    )  # made when a process is free, so they know the others
     with processes() if executor is None else nullcontext(executor) as used:
         for task, result in outcomes(computed_point, tasks, used, ahead):
             failed = isinstance(result, Exception)
+            if executor is None and not known and isinstance(result, BrokenExecutor):
+                raise RuntimeError(UNGUARDED) from None
             reason = f"unexpected error {result!r}; run this scene alone to see where"
             known[task.i, task.j] = (Point(i=task.i, j=task.j, reason=reason), None) if failed else result
             yield known[task.i, task.j][0]

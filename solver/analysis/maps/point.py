@@ -29,9 +29,9 @@ class Point:
 
     U_s (nm), F_s (N/m), A_s (nm) at the first slip, A_0 (nm) at U_x = 0: as of `summarize`. asymmetry: as of
     `peel_asymmetry`, from U_x = 0 up to the slip. sites: the sites by which the slip moves the node of least gap.
-    reattached: the part of the area lost before the slip that the slip restores, 0 where the area shrinks. L_min (N/m):
-    the pull-off, on path unload only. branches: those until the run repeats itself, 0 if unknown. Where a contact
-    detaches under a held load, U_s, F_s and A_s are those of the last increment.
+    reattached: the part of the area lost before the slip that the slip restores, 0 where the area shrinks. L_min, L_off
+    (N/m): largest pull and parting load, as of `summarize`, on path unload only. branches: those until the run repeats
+    itself, 0 if unknown. Where a contact detaches under a held load, U_s, F_s and A_s are those of the last increment.
     """
 
     i: int = 0
@@ -45,6 +45,7 @@ class Point:
     sites: int | None = None
     reattached: float | None = None
     L_min: float | None = None
+    L_off: float | None = None
     branches: int = 0
     followed: bool = False
     evaluations: int = 0  # force evaluations spent on it
@@ -62,7 +63,8 @@ class Point:
 
 
 COLUMNS = tuple(field.name for field in fields(Point))
-QUANTITIES = "U_s", "F_s", "A_s", "A_0", "asymmetry", "sites", "reattached", "L_min"  # numbers that a map can show
+# numbers that a map can show
+QUANTITIES = "U_s", "F_s", "A_s", "A_0", "asymmetry", "sites", "reattached", "L_min", "L_off"
 
 
 def touches(frame: Frame) -> bool:

@@ -11,10 +11,10 @@ from ...following.from_run import skeleton_from
 from ...following.moved import NotFollowed
 from ...following.skeleton import Skeleton
 from ...run.frame import slips_in
-from ...run.loadpath import until
+from ...run.loadpath import time_limit, until
 from ...run.summary import summarize
 from ...scene import Scene, SceneError
-from ...threads import one_thread
+from ...threads import computation
 from .point import DETACHES, NEVER_TOUCHES, NO_RESULT, STICKS, Point, at_slip, of_skeleton, touches
 
 # of U_s: a followed point may lie so far outside the range of U_s of the points around it, which may be nearly equal.
@@ -40,20 +40,21 @@ class Task:
     keep: bool = True
     around: tuple[Point, ...] = field(default=(), compare=False)
     start: Skeleton | None = field(default=None, compare=False)
+    limit: float | None = None  # s of processor time of a run; None: as of `simulate`
 
     def scene_there(self) -> Scene:
         """The Scene of the point; raises SceneError where there is none."""
         return self.scene.changed(**dict(self.values))
 
 
-@one_thread()
+@computation
 def computed_point(task: Task) -> Outcome:
     """(Point, its Skeleton or None) of a Task."""
     try:
         scene = task.scene_there()
     except SceneError as error:
         return Point(i=task.i, j=task.j, reason=str(error)), None
-    point, skeleton = _followed(scene, task.around, task.start) or computed(scene)
+    point, skeleton = _followed(scene, task.around, task.start) or computed(scene, task.limit)
     return replace(point, i=task.i, j=task.j), skeleton if task.keep else None
 
 
@@ -76,12 +77,12 @@ def _followed(scene, around, start):
     return (point, moved) if point.kind in kinds and near else None
 
 
-def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
-    """(Point, Skeleton or None) of a scene, from its start."""
+def computed(scene: Scene, limit: float | None = None) -> tuple[Point, Skeleton | None]:
+    """(Point, Skeleton or None) of a scene, from its start; limit: processor time, s."""
     frames, skeleton, slips, spent, reason, off = [], None, 0, 0, "", False
     smooth = False  # whether the run had no slip over one lattice period
     try:
-        for frame, checkpoint in until(scene):
+        for frame, checkpoint in until(scene, limit=time_limit(scene, limit)):
             frames.append(frame)
             spent += frame.evaluations
             if spent > EVALUATIONS:
@@ -105,7 +106,7 @@ def computed(scene: Scene) -> tuple[Point, Skeleton | None]:
         skeleton = _skeleton(scene, checkpoint)
     if scene.path == "unload" and not reason:
         summary = summarize(frames)
-        numbers = {"regime": STICKS, "A_0": summary["A_0"], "L_min": summary["L_min"]}
+        numbers = {"regime": STICKS} | {name: summary[name] for name in ("A_0", "L_min", "L_off")}
     else:
         numbers = _of_shear(sheared, skeleton, reason, off)
     return Point(**numbers, evaluations=spent), skeleton

@@ -1,0 +1,89 @@
+"""The approach walked in long steps, from the undeformed surface or from a state that is known already."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..continuation.branch import continue_branch
+from ..continuation.corrector import Corrector
+from ..continuation.landing import motion_to_rest
+from ..continuation.onset import mixed
+from ..continuation.rest import Judge
+from ..continuation.state import PAST, End, NotConverged, Point, State
+from ..continuation.trace import lagrange
+from ..mechanics.equilibrium import Equilibrium
+
+# A "unit" is the problem's `unit`.
+FIRST, LONGEST, SHORTEST = 1.0, 2.0, 0.05  # units, steps of the load; shorter ones are left to `continue_branch`
+STEP = 0.1  # units, step of the load of `continue_branch`, as a run's increment
+OFF = 0.1  # units: a state farther from its extrapolation may lie beyond a jump, so that the step is repeated at half
+CLOSE, CLOSER = 0.03, 0.01  # units: from a state nearer to it the next step is 1.4 times, or twice as long
+
+
+def walk(problem: Equilibrium, judge: Judge, closed: float, state: State, target: float) -> Iterator[State | End]:
+    """Yields each State from `state` to load `target`, nm, and each End on the way, with the State after it.
+
+    Every state is judged. closed: as of `motion.Motion`. Raises NotConverged.
+    """
+    corrector = Corrector(problem)
+    state, step = _begun(corrector, state), FIRST * problem.unit
+    while state.load < target:
+        reached = None
+        if step > SHORTEST * problem.unit:
+            reached, step = _stepped(corrector, judge, state, min(state.load + step, target), step)
+            if reached is None:
+                continue
+        reached = reached or continue_branch(corrector, judge, state, min(state.load + STEP * problem.unit, target))
+        if isinstance(reached, End):
+            reached = motion_to_rest(problem, reached, judge, judge.damping, closed)
+            yield reached
+            state, step = _begun(corrector, rested(reached)), STEP * problem.unit
+        else:
+            state, step = reached, max(step, STEP * problem.unit)
+            yield state
+
+
+def rested(reached: State | End) -> State:
+    """The State that a `walk` has reached: that after an End."""
+    state = reached.after if isinstance(reached, End) else reached
+    assert state is not None  # `walk` yields no other End
+    return state
+
+
+def _begun(corrector, state):
+    """The State, with the corrector prepared to go on from it."""
+    corrector.begin(state)
+    return state._replace(secants=state.secants or corrector.secants())
+
+
+def _stepped(corrector, judge, state, target, step):
+    """(the State at `target`, the next step, nm), by extrapolation; None where that does not foretell it."""
+    problem, past = corrector.problem, [Point(*point) for point in state.past]
+    if len(past) > 1:
+        guess = mixed(lagrange([load for load, _ in past], target), past).v
+    else:
+        guess = state.v + (target - state.load) * problem.direction
+    solution = corrector.solve(guess, target, state.secants)
+    off = np.inf if solution is None else np.abs(solution.v - guess).max() / problem.unit
+    mode = judge.accept(problem, solution.v, state.mode) if off < OFF else None
+    if mode is None or not mode.rests:
+        return None, 0.5 * step
+    longer = 2.0 if off < CLOSER else 1.4 if off < CLOSE else 1.0
+    more = {"secants": state.secants, "sharp": corrector.sharp, "mode": mode, "residual": solution.residual}
+    reached = State(target, solution.v, [Point(target, solution.v), *past[: PAST - 1]], **more)
+    return reached, min(longer * step, LONGEST * problem.unit)
+
+
+def undeformed(problem: Equilibrium, load: float) -> State:
+    """The State next to the undeformed surface at a load, nm; raises NotConverged where there is none."""
+    solution = Corrector(problem).solve(problem.undeformed(load), load)
+    if solution is None:
+        raise NotConverged("there is no state apart where the approach begins")
+    return State.at_rest(load, solution.v, residual=solution.residual)
+
+
+def latest(points: Sequence[Point], load: float, size: int) -> State | None:
+    """The State at the last of Points (load ascending) up to `load`, nm, with those before it; None without one."""
+    past: list[Any] = [point for point in points if point.load <= load and point.v.size == size][: -PAST - 1 : -1]
+    return State(past[0].load, past[0].v, past) if past else None
