@@ -72,9 +72,13 @@ class Feature(Requests):
         """Load code and compute results that later visitors need, once per server, in a thread."""
 
     @classmethod
-    def serve(cls, arguments: dict[str, list[bytes]]) -> bool:
-        """Whether this feature has put a page of its own into the current document, for the address {name: values}."""
+    def owns(cls, arguments: dict[str, list[bytes]]) -> bool:
+        """Whether the page at an address {name: values} is this feature's own, made by `serve`."""
         return False
+
+    @classmethod
+    def serve(cls, arguments: dict[str, list[bytes]]) -> None:
+        """Put the page of an address of its own into the current document, by plain Panel."""
 
     def requested(self, scene: Scene) -> None:
         """Called when another scene is computed or predicted from now on."""
@@ -128,6 +132,11 @@ def classes() -> dict[str, type[Feature]]:
             log.info("the feature %s is left out: it needs %s", name, ", ".join(gone))
             del made[name]
     return dict(sorted(made.items(), key=lambda item: (item[1].ORDER, item[0])))
+
+
+def owner(arguments: dict[str, list[bytes]]) -> type[Feature] | None:
+    """Return the feature whose own page is at an address {name: values}, or None: there is the experiment."""
+    return next((made for made in classes().values() if made.owns(arguments)), None)
 
 
 def folder(name: str) -> Path:
