@@ -19,7 +19,7 @@ if not (HERE := Path(__file__).parent).samefile(app.__path__[0]):  # before anyt
     other = f"The folder {HERE} is served, but another version is installed: {app.__path__[0]}."
     raise SystemExit(f"{other} Install this one: pip install -e {HERE.parent}")
 
-from app import interface, lab, routes, server_log
+from app import interface, routes, server_log
 from app.experiment import example, visitors
 from app.page import shared
 from app.service import metrics, worker
@@ -58,8 +58,6 @@ def _load():
     """Load what features need for later visitors, after a worker has compiled the kernels."""
     with suppress(Lost, CancelledError):
         pool.submit(worker.ready, owner=NOBODY, rank=LATER).result()
-        for name in lab.PAGES:
-            lab.module(name)
         for feature in interface.classes().values():
             feature.load()
     gc.collect()

@@ -96,9 +96,13 @@ class Feature(Requests):
         return {}
 
     @classmethod
-    def serve(cls, arguments: dict[str, list[bytes]]) -> bool:
-        """Whether this feature has put a page of its own into the current document, for the address {name: values}."""
+    def owns(cls, arguments: dict[str, list[bytes]]) -> bool:
+        """Whether the page at an address {name: values} is this feature's own, made by `serve`."""
         return False
+
+    @classmethod
+    def serve(cls, arguments: dict[str, list[bytes]]) -> None:
+        """Put the page of an address of its own into the current document, by plain Panel."""
 
     def replaced(self) -> None:
         """Called when the scene of an address or a preset replaces what the visitor has chosen."""
@@ -151,6 +155,11 @@ def classes() -> dict[str, type[Feature]]:
             log.info("the feature %s is left out: it needs %s", name, ", ".join(gone))
             del made[name]
     return dict(sorted(made.items(), key=lambda item: (item[1].ORDER, item[0])))
+
+
+def owner(arguments: dict[str, list[bytes]]) -> type[Feature] | None:
+    """Return the feature whose own page is at an address {name: values}, or None: there is the experiment."""
+    return next((made for made in classes().values() if made.owns(arguments)), None)
 
 
 def folder(name: str) -> Path:

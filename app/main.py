@@ -2,7 +2,8 @@
 
 import panel as pn
 
-from app import experiment, lab, routes
+from app import experiment, interface, routes
 
 routes.require()  # a server of this file alone has run no hooks
-lab.serve() if "lab" in pn.state.session_args else experiment.serve()
+owner = interface.owner(pn.state.session_args)
+owner.serve(pn.state.session_args) if owner else experiment.serve()

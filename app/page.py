@@ -18,7 +18,7 @@ from panel.io.resources import Resources as PanelResources
 from panel.io.resources import bundle_resources
 from panel.io.state import set_curdoc
 
-from app import assets, interface, lab, schema
+from app import assets, interface, schema
 from app.server_log import reach
 from app.session.controls import CONTROLS, FOR_BROWSER, FOR_SERVER, scene_from_address, values_of
 from solver.presets import presets
@@ -91,7 +91,6 @@ def values(root: str) -> dict[str, Any]:
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
         "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
-        "labs": lab.PAGES,
         "schema": schema,
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,

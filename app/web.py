@@ -21,7 +21,7 @@ from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
 from tornado.web import RequestHandler, authenticated
 
-from app import assets
+from app import assets, interface
 from app.assets import content, version
 from app.environment import FRAMES, VISITORS
 from app.experiment import example
@@ -34,7 +34,7 @@ from app.session.message_filter import TOKEN, is_full, no_longer_opened, opened
 log = logging.getLogger("app")
 STRANGE = 3  # unknown names of an address that the page reports, at most
 AGAIN = 10  # s before a browser repeats the request for a page of a full class
-CONNECTS = 60.0  # s within which a browser connects to the session of a research page
+CONNECTS = 60.0  # s within which a browser connects to the session of a feature's own page
 YEAR = 31_536_000  # s
 HTML = "text/html; charset=utf-8"
 NOTHING = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors "
@@ -129,20 +129,21 @@ class Page(Plain, DocHandler):
         if self.request.path.endswith("/"):
             page = self.request.path.rstrip("/").rsplit("/", 1)[1]  # relative: a proxy may have removed a prefix
             return self.redirect("?".join(filter(None, [f"../{page}", self.request.query])))
-        # a request without a browser may keep others from research pages, whose sessions cost, but not from the class
-        if is_full(self.request.remote_ip, len(opened) if "lab" in self.request.arguments else 0):
+        # a request without a browser may keep others from pages whose sessions cost, but not from the class
+        own = interface.owner(self.request.arguments) is not None
+        if is_full(self.request.remote_ip, len(opened) if own else 0):
             self.set_header("Retry-After", str(AGAIN))
             text = f"{VISITORS} visitors are here. This page tries again every {AGAIN} s, and opens when one leaves."
             return self.refuse(503, "The class is full", text, AGAIN)
-        arguments = self.known_arguments()
+        arguments = self.known_arguments(own)
         token = self.token_for(arguments)
         if len(token) > TOKEN:
             text = f"It has {len(self.request.uri)} characters, allowed: about {TOKEN // 2}. {self.without}"
             return self.refuse(414, "The address is too long", text)
         nonce = secrets.token_urlsafe(16)
         try:
-            if "lab" in arguments:
-                page = await self.lab_page(token, nonce)
+            if own:
+                page = await self.own_page(token, nonce)
             else:
                 page = shared(example).page_for(arguments, token=token, nonce=nonce)
         except Exception:
@@ -152,8 +153,8 @@ class Page(Plain, DocHandler):
         metrics.count("pages")
         self.body(page, HTML)
 
-    async def lab_page(self, token: str, nonce: str) -> str:
-        """Return a page of app/lab: its session starts now, and Panel renders its document."""
+    async def own_page(self, token: str, nonce: str) -> str:
+        """Return the page of a feature's own: its session starts now, and Panel renders its document."""
         name = get_session_id(token)
         opened[name] = None  # it costs as much as a visitor, whether its browser connects or not
         IOLoop.current().call_later(CONNECTS, no_longer_opened, name)
@@ -166,10 +167,13 @@ class Page(Plain, DocHandler):
             page = server_html_page_for_session(session, resources, doc.title, token, **own)
         return re.sub(r"<script(?=[ >])", f'<script nonce="{nonce}"', page)
 
-    def known_arguments(self) -> dict[str, list[bytes]]:
-        """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note."""
+    def known_arguments(self, own: bool) -> dict[str, list[bytes]]:
+        """Return {name: [bytes]} of the address: what the server reads, and a few unknown names for a note.
+
+        own: of the page of a feature's own, whose link back has what the browser reads.
+        """
         given = self.request.arguments
-        read = FOR_SERVER | (FOR_BROWSER if "lab" in given else set())  # for the link back
+        read = FOR_SERVER | (FOR_BROWSER if own else set())
         others = [name for name in given if name not in FOR_SERVER | FOR_BROWSER][:STRANGE]
         return {name: given[name] for name in given if name in read} | {name[:40]: [] for name in others}
 

@@ -1,5 +1,6 @@
 """Fixtures that tests share: a real Chromium, the app served to it, and a pool of workers."""
 
+import asyncio
 import os
 import shutil
 from collections import Counter
@@ -210,6 +211,26 @@ def pool():
     workers.start()
     yield workers
     workers.close()
+
+
+@pytest.fixture(scope="session")
+def shared_pool():
+    """The pool that Panel apps use without a server."""
+    from app.service.pool import pool
+
+    yield pool
+    pool.close()
+
+
+@pytest.fixture
+def script(shared_pool):
+    """Panel apps compute at once, as in a script. A browser of this process, which other tests share, leaves a loop
+    running, for which Panel would leave them waiting.
+    """
+    running = asyncio._get_running_loop()
+    asyncio._set_running_loop(None)
+    yield
+    asyncio._set_running_loop(running)
 
 
 @pytest.fixture

@@ -71,7 +71,7 @@ NAMES = tuple(control.name for control in CONTROLS)
 LABELS = {control.name: control.label for control in CONTROLS}
 RANGES = LIMITS | {name: LIMITS[name]._replace(high=high) for name, high in MOST.items()}  # in the app
 WHOLES = {"w": "width", "δ₀": "delta_0", "δₙ": "delta_n", "δₜ": "delta_t"}  # {unit: name of that length in Scene}
-FOR_SERVER: set[str] = {"preset", "lab", "curve", *PARAMETERS}  # in an address, for the server
+FOR_SERVER: set[str] = {"preset", *PARAMETERS}  # in an address, for the server
 # In an address, for the browser; `pin` and `force` are of older links and have no effect
 FOR_BROWSER: set[str] = {"v", "theme", "embed", "view", "more", "pin", "force"}
 STAYS = " The run on screen stays."

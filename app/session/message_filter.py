@@ -27,10 +27,10 @@ TRY_LATER = 1013  # of RFC 6455
 TOKEN = 8000  # characters of the token that a browser sends when it connects
 ALIVE = 30.0  # s between two pings, and for the answer: a browser that sleeps keeps its place for twice that
 SILENT = 30.0  # s without a valid message after which a new connection ends; a page sends one at once
-CHANGES = {"ModelChanged", "MessageSent"}  # of the Stage, of widgets of research pages, and clicks
+CHANGES = {"ModelChanged", "MessageSent"}  # of the Stage, of widgets of features' own pages, and clicks
 
 connected = set()  # ids of the sessions whose browsers are connected
-# {id: ServerSession} of research pages that were sent, and whose browsers may still connect
+# {id: ServerSession} of features' own pages that were sent, and whose browsers may still connect
 opened = dict[str, Any]()
 metrics.gauge("visitors", "browsers that are connected", lambda: len(connected))
 
@@ -45,7 +45,7 @@ def is_full(peer: str, coming: int = 0) -> bool:
 
 
 def no_longer_opened(name: str) -> None:
-    """Let the session of a research page end from now on: its browser has connected, or has not come in time."""
+    """Let the session of a feature's own page end from now on: its browser has connected, or has not come in time."""
     if session := opened.pop(name, None):
         session.unblock_expiration()
 

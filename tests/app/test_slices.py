@@ -1,54 +1,16 @@
 """Work in slices: no slice occupies a worker for long, and results equal those of uninterrupted work."""
 
 import pickle
-from functools import partial
 from math import inf
 
 import numpy as np
 import pytest
 from visitor import SHORT, unpacked, whole_run
 
-from app.service import tasks, worker
-from solver import Scene, load_path
-from solver.analysis.friction_laws import friction_force, onset
+from app.service import worker
+from solver import Scene
 
 FLAT = Scene(surface="flat", phi_ratio=0.1, u_x_max=40.0, du_x=0.5, damping=inf)
-
-
-def made(task, scene):
-    """(result of a task, number of slices), called as the pages call it."""
-    kept, count = (), 0
-    while isinstance(result := task(scene, *kept), tasks.Part):
-        kept, count = (result.state,), count + 1
-    return result, count
-
-
-@pytest.fixture
-def short(monkeypatch):
-    monkeypatch.setattr(tasks, "SLICE", 0.0)  # one increment each
-
-
-def test_sliced_frames_of_a_flat_equal_those_of_a_whole_run(short):
-    whole = list(load_path(FLAT))
-    frames, count = made(tasks.flat_frames, FLAT)
-    assert count == len(whole) - 1
-    assert [(frame.U_x, frame.F_bar) for frame in frames] == [(frame.U_x, frame.F_bar) for frame in whole]
-    assert friction_force(FLAT, frames) == friction_force(FLAT, whole)
-
-
-def test_sliced_search_for_the_onset_equals_the_whole_search(short):
-    scene = Scene(nodes=256, width=625.0, phi_ratio=0.3)
-    found, count = made(tasks.onset_of, scene)
-    whole = onset(scene)
-    assert count > 50 and found.F_s == pytest.approx(whole.F_s, rel=1e-6)
-    assert np.allclose(found.U, whole.U, rtol=1e-6)
-
-
-def test_a_sweep_that_runs_out_of_time_reports_where(short, monkeypatch):
-    monkeypatch.setattr(worker, "SLOW", 0.0)
-    for task, scene in ((tasks.onset_of, Scene()), (tasks.flat_frames, FLAT)):
-        failed = made(partial(tasks.tried, task), scene)[0]
-        assert failed.kind == "hang" and "no equilibrium within 0 s" in str(failed)  # which is not cached: see Jobs
 
 
 def test_a_finished_run_returns_only_packed_frames_and_its_skeleton():

@@ -33,7 +33,7 @@ from tornado.testing import bind_unused_port
 from tornado.websocket import websocket_connect
 from visitor import waited
 
-from app import assets, experiment, lab, page, routes, server_log, web
+from app import assets, experiment, interface, page, routes, server_log, web
 from app.service import metrics
 from app.service.pool import Pool
 from app.session import message_filter
@@ -132,17 +132,28 @@ def test_plain_requests_do_not_count_as_visitors(address, monkeypatch):
     assert [get(f"{address}/app")[0] for _ in range(5)] == [200] * 5
 
 
-@pytest.mark.parametrize("page", ["", *lab.PAGES, "unknown"])
-def test_requests_without_a_browser_bound_research_pages_and_keep_nobody_out_of_the_class(address, monkeypatch, page):
-    """Sessions of research pages begin with the request; forty of them took 19 s of the loop of a class of five."""
+@pytest.fixture
+def own(monkeypatch):
+    """A feature that has the pages at ?own= is there."""
+    made = type("Own", (interface.Feature,), {"owns": staticmethod(lambda arguments: "own" in arguments)})
+    features = interface.classes() | {"own": made}
+    monkeypatch.setattr(interface, "classes", lambda: features)
+
+
+@pytest.mark.usefixtures("own")
+@pytest.mark.parametrize("query", ["", "?own=1"])
+def test_requests_without_a_browser_bound_pages_of_features_and_keep_nobody_out_of_the_class(
+    address, monkeypatch, query
+):
+    """Their sessions begin with the request; forty of them took 19 s of the loop of a class of five."""
     monkeypatch.setattr(message_filter, "VISITORS", 2)
     monkeypatch.setattr(message_filter, "connected", set())
     message_filter.opened.clear()
-    found = [get(f"{address}/app{page and f'?lab={page}'}")[0] for _ in range(4)]
-    assert found == ([200, 200, 503, 503] if page else [200] * 4)
+    found = [get(f"{address}/app{query}")[0] for _ in range(4)]
+    assert found == ([200, 200, 503, 503] if query else [200] * 4)
     assert get(f"{address}/app")[0] == 200
     message_filter.opened.clear()  # as CONNECTS ends
-    assert get(f"{address}/app?lab={page}")[0] == 200
+    assert get(f"{address}/app?own=1")[0] == 200
     message_filter.opened.clear()
 
 
@@ -278,7 +289,8 @@ def test_a_silent_connection_does_not_keep_visitors_out(address, caplog):
     assert "TimeoutError" in record.message and record.peer == "127.0.0.1"
 
 
-@pytest.mark.parametrize("query", ["", "?lab=fit"])
+@pytest.mark.usefixtures("own")
+@pytest.mark.parametrize("query", ["", "?own=1"])
 def test_what_a_visitor_has_begun_ends_with_the_connection(address, caplog, query):
     """Workers computed on for him until Bokeh discarded his session."""
     caplog.set_level(logging.INFO, "app")

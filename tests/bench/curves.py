@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "docs"))
 from evidence import origin  # noqa: E402
 
-PAGE = ROOT / "app" / "lab" / "accuracy.json"
+PAGE = ROOT / "app" / "features" / "accuracy" / "accuracy.json"
 METHODS = SERIES | {"gfmd mass-weighted": MassWeighted, "FIRE": Fire}
 # Colours of Okabe & Ito, which colour-blind readers distinguish; markers for print
 STYLE = dict(zip(METHODS, (("#0072B2", "o"), ("#D55E00", "s"), ("#009E73", "^"), ("#CC79A7", "D")), strict=True))

@@ -20,7 +20,7 @@ from served import PATIENCE, Server
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.lab import PAGES
+from app.features.lab.feature import listed
 
 MODELS = "[...(window.Bokeh?.documents[0]?._all_models.values() ?? [])]"
 DRAWN = f"""() => {{
@@ -107,7 +107,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--visits", type=int, default=10, help="to each page")
     parser.add_argument("--moves", type=int, default=40, help="of a drag")
-    parser.add_argument("--only", choices=PAGES, help="measure only visits to this page")
+    parser.add_argument("--only", choices=listed(), help="measure only visits to this page")
     options = parser.parse_args()
     server = Server()
     try:
@@ -118,7 +118,7 @@ def main():
             if not options.only:
                 accuracy(browser, server)  # first: workers are free
                 drags(browser, server, options.moves)
-            for name in [options.only] if options.only else PAGES:
+            for name in [options.only] if options.only else listed():
                 visits(browser, server, name, options.visits)
             browser.close()
     finally:

@@ -99,6 +99,14 @@ def whole_run(scene):
     return worker.compute(scene, None, inf, limit=inf)
 
 
+def in_slices(task, *arguments):
+    """(result of a task that returns Parts, number of slices)."""
+    kept, count = (), 0
+    while isinstance(result := task(*arguments, *kept), worker.Part):
+        kept, count = (result.state,), count + 1
+    return result, count
+
+
 def slices(scene, budget, **how):
     """The Frames of the parts of a run, each from the state of the one before."""
     part = worker.compute(scene, None, budget, **how)

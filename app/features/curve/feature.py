@@ -31,6 +31,7 @@ class Feature(interface.Feature):
         "measured": "a measured curve: curve, key; or why the file has none",
     }
     key = ""
+    kept = staticmethod(kept)
 
     def close(self) -> None:
         self.forget()

@@ -94,13 +94,6 @@ function choosePreset(preset) {
 // The hint over the contact goes once anything was moved
 const hideHint = () => { by("grab").hidden = true }
 
-// A research page opens with the scene on screen; back from there this page is as it was, in its class
-function bringScene({ currentTarget: link }) {
-  const viewed = [...new URLSearchParams(location.search)].filter(([name]) => declared.viewed.includes(name))
-  const { lab } = link.dataset
-  link.search = new URLSearchParams({ ...Object.fromEntries(viewed), lab, theme: theme(), ...me.status.address })
-}
-
 export function connect() {
   document.addEventListener("input", hideHint, { once: true })
   for (const name in declared.positions) connectSlider(name, declared.positions[name])
@@ -120,7 +113,6 @@ export function connect() {
     by("panel").hidePopover()
     by("menu").focus()
   }, true)
-  for (const link of document.querySelectorAll("nav a")) link.addEventListener("click", bringScene)
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
   document.addEventListener("click", ({ detail, target }) => {
     if (detail > 0) target.closest?.("button:not([popovertarget=solver])")?.blur()

@@ -1,9 +1,8 @@
 """The page of friction over load, without a browser."""
 
-from visitor import order
+from visitor import in_slices, order
 
 from app.features.load.tasks import first_slip
-from app.service.worker import Part
 from solver import Scene
 from solver.files import plain
 from solver.scene import PARAMETERS
@@ -21,9 +20,7 @@ def test_sweep_of_the_press_depth_publishes_a_point_per_slip_and_ends_with_the_p
     )
     calls = [task for task in calls if task.call[0] is first_slip]
     scene = calls[3].call[1]
-    result = first_slip(scene)
-    while isinstance(result, Part):
-        result = first_slip(scene, result.state)
+    result, _ = in_slices(first_slip, scene)
     calls[3].set_result(result)
     calls[4].set_result(None)  # no slip
     calls[5].set_result("no equilibrium")

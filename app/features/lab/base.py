@@ -11,10 +11,10 @@ import panel as pn
 import param
 
 from app.document import on_loop
-from app.lab import PAGES, TEXT, back, slider_name
+from app.features.lab.feature import TEXT, back, slider_name
+from app.features.lab.tasks import tried
 from app.service.caller import Lost
 from app.service.jobs import jobs
-from app.service.tasks import tried
 from app.session.controls import CONTROLS, RANGES, changed_scene
 from solver import Scene
 from solver.live_plots import Curve, chart, draw
@@ -34,9 +34,9 @@ def side_by_side(*viewables: Any) -> pn.Row:
 
 
 class LabPage(param.Parameterized):
-    """A page about a scene. Subclasses have STATEMENT, `compute` and `content`."""
+    """A page about a scene. Subclasses have TITLE, STATEMENT, `compute` and `content`."""
 
-    STATEMENT = ""
+    TITLE = STATEMENT = ""
     scene: Any = param.ClassSelector(class_=Scene)
     found = param.Dict({}, doc="{scene: result} of `run`")
     share = param.Number(default=None, allow_None=True, doc="done of the computation, 0..1; None: nothing is computed")
@@ -67,8 +67,7 @@ class LabPage(param.Parameterized):
         progress = pn.indicators.Progress(value=done, visible=busy)
         cancel = pn.widgets.Button(label="Cancel", on_click=on_loop(self.cancel), visible=busy)
         heading = [pn.pane.HTML(pn.bind(back, self.param.scene))] if "lab" in pn.state.session_args else []
-        title = PAGES[type(self).__module__.rsplit(".", 1)[-1]]
-        heading.append(pn.pane.Markdown(f"# {title}\n{self.STATEMENT}"))
+        heading.append(pn.pane.Markdown(f"# {self.TITLE}\n{self.STATEMENT}"))
         if pn.state.curdoc:
             pn.state.onload(on_loop(self.start))
         else:  # in a notebook

@@ -1,6 +1,6 @@
 """The page "Fit": a measured friction curve, that of the sliders, and the parameters that fit.
 
-from app.lab.fit import view; view(Scene(E=140))
+from app.features.fit.research import view; view(Scene(E=140))
 """
 
 import io
@@ -14,10 +14,12 @@ import pandas as pd
 import panel as pn
 import param
 
+from app import interface
 from app.document import on_loop
-from app.features.curve.feature import kept
-from app.lab.base import LabPage, side_by_side
-from app.service import tasks
+from app.features.fit import tasks
+from app.features.fit.feature import TITLE
+from app.features.lab.base import LabPage, side_by_side
+from app.features.lab.tasks import flat_frames
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
 from solver import fit
@@ -47,6 +49,7 @@ NARROW = {"sizing_mode": "stretch_width", "stylesheets": [".bk-input-group { fle
 class Fit(LabPage):
     """A measurement, the curve of the scene, and the last fit."""
 
+    TITLE = TITLE
     STATEMENT = (
         "Choose a measured curve: a CSV of up to 2 MB with columns U_x (nm) and F (N/m) or F_bar; L or L_bar and A_bar"
         " if measured. Or generate example data: an interface slightly different from this one, with noise. Move the"
@@ -63,11 +66,11 @@ class Fit(LabPage):
         self.key = pn.state.session_args.get("curve", [b""])[-1].decode("ascii", "replace")
 
     async def compute(self) -> None:
-        frames = await self.call(tasks.flat_frames, self.scene.changed(path="shear"))
+        frames = await self.call(flat_frames, self.scene.changed(path="shear"))
         self.curve = np.array([(frame.U_x, frame.F, frame.L) for frame in frames if frame.stage == "shear"]).T
         key, self.key = self.key, ""
         if key:  # it lies over the run of the experiment, which named it in the address
-            if (given := kept(key)) is None:
+            if (given := laid_over(key)) is None:
                 raise ValueError("This server does not have the measured curve of this address. Choose the file again")
             await self.read(*given)
 
@@ -176,6 +179,15 @@ class Fit(LabPage):
                 label="Download the table",
             ),
         ]
+
+
+def laid_over(key: str) -> Any:
+    """Return (content, speed, force) of the measured curve that a visitor has laid over the run, or None.
+
+    The feature `curve` keeps it, if it is there.
+    """
+    keeps: Any = interface.classes().get("curve")  # which may be left out
+    return keeps.kept(key) if keeps else None
 
 
 view = Fit.view

@@ -6,8 +6,7 @@ import pytest
 from served import finished, found_by_axe
 from tabs import DESKTOP, Tabs
 
-from app import lab
-from app.session.controls import CONTROLS
+from app.features.lab.feature import listed
 
 QUICK = "?nodes=64&width=160&radius=0.6&u_x_max=12&du_x=0.2&du_z=0.5&E=35&theme=dark"
 LONG = "area_laws", "stick_slip"  # their runs are those of the paper, in full size
@@ -46,18 +45,8 @@ def tab(server, browser):
     tabs.check()
 
 
-def large_and_odd_files_are_refused(page):
-    """The large one before it is sent; the connection stays."""
-    entry = page.locator("input[type=file]")
-    entry.set_input_files({"name": "long.csv", "mimeType": "text/csv", "buffer": b"1,2\n" * 1_100_000})
-    page.get_by_text("long.csv has 4.4 MB, allowed: 2 MB. Thin it out.").wait_for()
-    entry.set_input_files({"name": "odd.csv", "mimeType": "text/csv", "buffer": b"a,b\nc,d\n"})
-    page.locator("p[role=alert]", has_text="MB").wait_for(state="hidden")
-    page.get_by_text("heading a,b").wait_for()
-
-
 @pytest.mark.once(2)
-@pytest.mark.parametrize("name", sorted(lab.PAGES, key=lambda name: name not in ("stick_slip", "fit")))
+@pytest.mark.parametrize("name", sorted(listed(), key=lambda name: name not in ("stick_slip", "fit")))
 def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_returns_with_it(server, tab, name):
     if "lab=" in tab.url:  # where a test before has failed
         tab.goto(server.address + QUICK)
@@ -65,8 +54,8 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
     finished(tab)
     tab.locator("#menu").click()
     tab.locator(f"nav a[data-lab={name}]").click()
-    tab.get_by_role("heading", name=lab.PAGES[name]).wait_for()
-    assert tab.title() == lab.PAGES[name] and "E=35" in tab.url
+    tab.get_by_role("heading", name=listed()[name].TITLE).wait_for()
+    assert tab.title() == listed()[name].TITLE and "E=35" in tab.url
     cancel = tab.get_by_role("button", name="Cancel")
     if name in LONG:
         cancel.click()
@@ -78,21 +67,19 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
         tab.set_viewport_size({"width": width, "height": 1180})
         tab.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
     assert not found_by_axe(tab).keys() & SERIOUS
-    if name == "fit":
-        large_and_odd_files_are_refused(tab)
     tab.get_by_role("link", name="Back to the experiment").click()
     finished(tab)
     values = tab.evaluate("punch.status.values")
     assert values["E"] == 35 and values["nodes"] == 64
 
 
-@pytest.mark.parametrize("name", lab.PAGES)
+@pytest.mark.parametrize("name", listed())
 def test_who_comes_back_from_a_page_is_in_the_class_at_the_stop_and_in_the_view_that_was_left(visit, name):
     kept = {"class": "ABCD", "more": "1", "view": "projector", "ask": "F_s", "change": "phi_ratio:0.5", "theme": "dark"}
     page = visit(f"{QUICK}&{urlencode(kept)}")
     page.wait_for_function("punch.lesson?.stop === 0")
     page.locator(f"nav a[data-lab={name}]").dispatch_event("click")
-    page.get_by_role("heading", name=lab.PAGES[name]).wait_for()
+    page.get_by_role("heading", name=listed()[name].TITLE).wait_for()
     page.get_by_role("link", name="Back to the experiment").click()
     page.wait_for_function("window.punch?.lesson?.leads")  # the teacher of the class still is
     assert dict(parse_qsl(urlsplit(page.url).query)).items() >= kept.items()
@@ -110,44 +97,3 @@ def test_an_unknown_page_is_named_and_the_experiment_is_one_link_away(visit):
     page = visit("?lab=secret&E=35", rests=False)
     page.get_by_text("There is no page “secret”").wait_for()
     assert page.get_by_role("link", name="Back to the experiment").get_attribute("href") == "?E=35"
-
-
-HANDLES = """() => {
-    const found = {}
-    const visit = (root) => {
-        for (const e of root.querySelectorAll("*")) {
-            if (e.matches(".noUi-handle")) found[e.getAttribute("aria-label")] = e.getAttribute("aria-valuetext")
-            if (e.shadowRoot) visit(e.shadowRoot)
-        }
-    }
-    visit(document)
-    return found
-}"""
-
-
-def test_sliders_and_entries_move_each_other_and_the_scene_with_names_that_come_back_when_rendered_again(visit):
-    page = visit(QUICK.replace("?", "?lab=accuracy&"), rests=False)
-    are = f"(wanted) => JSON.stringify(({HANDLES})()) === JSON.stringify(wanted)"
-    positions = {control.name: control.positions for control in CONTROLS}
-    nearest = min(positions["E"], key=lambda E: abs(E - 35))
-    shown = {"Press depth δ/δ₀": "0", "Friction / adhesion φₜ/φₙ": "1", "Stiffness E (GPa)": f"{nearest:g}"}
-    page.wait_for_function(are, arg=shown)
-    page.get_by_role("slider", name="Friction / adhesion").press("ArrowRight")
-    value = f"{positions['phi_ratio'][positions['phi_ratio'].index(1.0) + 1]:g}"  # those of the experiment
-    page.locator(f"a[href*='phi_ratio={value}']").wait_for()
-    entries = [page.get_by_role("textbox", name=name) for name in ("Friction / adhesion", "Stiffness")]
-    assert [entry.input_value() for entry in entries] == [value, "35"]
-    shown["Friction / adhesion φₜ/φₙ"] = value
-    stiffest = shown["Stiffness E (GPa)"] = f"{positions['E'][-1]:g}"
-    entries[1].fill(stiffest)
-    entries[1].press("Enter")
-    page.locator(f"a[href*='E={stiffest}']").wait_for()
-    page.wait_for_function(are, arg=shown)
-    page.get_by_role("slider", name="Press depth").press("ArrowRight")
-    shown["Press depth δ/δ₀"] = "0.01"
-    page.wait_for_function(are, arg=shown)
-    page.evaluate(
-        """() => [...Bokeh.documents[0]._all_models.values()].filter(({ end, step }) => end > 100 && step === 1)
-            .forEach((slider) => Bokeh.index.find_one(slider).rerender())"""
-    )
-    page.wait_for_function(are, arg=shown)

@@ -1,6 +1,6 @@
 """The page "Area laws" (paper Fig. 8, Eqs. 8, 9): runs up to the onset of sliding over a range of indentations.
 
-from app.lab.area_laws import view; view(Scene(phi_ratio=0.5))
+from app.features.area_laws.research import view; view(Scene(phi_ratio=0.5))
 """
 
 from typing import Any
@@ -10,9 +10,10 @@ import pandas as pd
 import panel as pn
 import param
 
-from app.lab.base import LabPage, side_by_side
+from app.features.area_laws import tasks
+from app.features.area_laws.feature import TITLE
+from app.features.lab.base import LabPage, side_by_side
 from app.limits import INCREMENTS, increments_of
-from app.service import tasks
 from solver import Scene, SceneError
 from solver.analysis.area_laws import QuadraticLaw, ThresholdLaw, quadratic_law, threshold_law
 from solver.analysis.friction_laws import INDENTATIONS, INTERFACES, Onset
@@ -39,6 +40,7 @@ NAMES = [OWN, *(f"φₙ = {scene.phi_n:g}, φₜ/φₙ = {scene.phi_ratio:g}" fo
 class AreaLaws(LabPage):
     """Contact area over friction of the interface on screen and of the three of the paper."""
 
+    TITLE = TITLE
     STATEMENT = (
         "Paper: under shear the contact area shrinks as Ā = Ā₀ − ζF̄² (Eq. 8), and at the onset of sliding friction is"
         " F̄_s = τ_c Ā_s + F̄_s,nc (Eq. 9), with friction at no contact area. Each series is one interface at"

@@ -1,12 +1,16 @@
 """Research pages: plain Panel apps at `app?lab=NAME`, with a scene in the address, and in a notebook.
 
-    from app.lab.accuracy import view; view(Scene(E=140))
+    from app.features.accuracy.research import view; view(Scene(E=140))
 
-A page is a module of PAGES with view(scene), a Viewable of Panel; base.py has what they share.
+A page is a folder of app/features whose docstring says "Needs lab.", with
+
+    feature.py     TITLE, ORDER   its name, and its place in the menu
+    research.py    view(scene)    a Viewable of Panel; base.py and tasks.py have what pages share
 """
 
 import json
 import logging
+from functools import cache
 from html import escape
 from importlib import import_module
 from typing import Any
@@ -16,13 +20,13 @@ import panel as pn
 from bokeh.models import CustomJS
 from panel.io.resources import LOCAL_DIST
 
+from app import interface
 from app.limits import DEFAULT
 from app.session.controls import CONTROLS, FOR_BROWSER, Control, address_of, scene_from_address
 from app.session.orders import LARGEST
 from solver import Scene
 
 log = logging.getLogger("app")
-PAGES = {"stick_slip": "Stick-slip", "area_laws": "Area laws", "fit": "Fit", "accuracy": "Accuracy"}
 BUG = "The page could not be opened. See the server's log, then reload the page."
 ICON = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg'/%3E"
 TEXT = "14px"  # Panel and Bokeh have 11 to 13 px
@@ -90,14 +94,44 @@ def back(scene: Scene) -> str:
     return f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>'
 
 
-def module(name: str) -> Any:
+@cache
+def listed() -> dict[str, Any]:
+    """Return {name: its feature.py} of all pages, in the order of the menu."""
+    names = [name for name in interface.classes() if (interface.folder(name) / "research.py").exists()]
+    modules = {name: import_module(f"app.features.{name}.feature") for name in names}
+    return dict(sorted(modules.items(), key=lambda item: item[1].ORDER))
+
+
+def research(name: str) -> Any:
     """Return the module of a page. The first call imports it, which takes a second."""
-    return import_module(f"{__name__}.{name}")
+    return import_module(f"app.features.{name}.research")
 
 
-def serve() -> None:
-    """Add the page that the address names to the current document."""
-    doc, arguments = pn.state.curdoc, pn.state.session_args
+class Feature(interface.Feature):
+    """The pages have the address of the experiment, with a name more."""
+
+    READS = frozenset({"lab"})
+
+    @classmethod
+    def templates(cls) -> dict[str, Any]:
+        return {"labs": {name: page.TITLE for name, page in listed().items()}}
+
+    @classmethod
+    def load(cls) -> None:
+        for name in listed():
+            research(name)
+
+    @classmethod
+    def owns(cls, arguments: dict[str, list[bytes]]) -> bool:
+        return "lab" in arguments
+
+    @classmethod
+    def serve(cls, arguments: dict[str, list[bytes]]) -> None:
+        """Add the page that the address names to the current document."""
+        _serve(pn.state.curdoc, arguments)
+
+
+def _serve(doc, arguments):
     name, theme = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
     doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
     doc.js_on_event("document_ready", CustomJS(code=MEND))
@@ -106,8 +140,8 @@ def serve() -> None:
     scene, _, notes = scene_from_address(arguments)
     page = pn.pane.HTML(back(scene))
     try:
-        if name in PAGES:
-            page = module(name).view(scene)
+        if name in listed():
+            page = research(name).view(scene)
             log.info("a visitor opened the page %s", name)
         else:
             notes.append(f"There is no page “{name[:40]}”. The menu of the experiment lists all.")
@@ -115,5 +149,5 @@ def serve() -> None:
         log.exception("a research page could not be built")
         notes.append(BUG)
     alerts = [pn.pane.Alert(note, alert_type="warning") for note in notes]
-    title = PAGES.get(name, "Research pages")
+    title = listed()[name].TITLE if name in listed() else "Research pages"
     pn.Column(*alerts, page, sizing_mode="stretch_width").servable(title=title, location=False)

@@ -1,6 +1,6 @@
 """The page "Stick-slip" (paper Figs. 4, 5, Eq. 7): friction of flat on flat at zero gap, from runs and in closed form.
 
-from app.lab.stick_slip import view; view(Scene(E=140))
+from app.features.stick_slip.research import view; view(Scene(E=140))
 """
 
 from contextlib import suppress
@@ -12,10 +12,11 @@ import param
 from bokeh.models import LinearColorMapper
 
 from app.document import on_loop
-from app.lab import TEXT
-from app.lab.base import LabPage, side_by_side
+from app.features.lab.base import LabPage, side_by_side
+from app.features.lab.feature import TEXT
+from app.features.lab.tasks import flat_frames
+from app.features.stick_slip.feature import TITLE
 from app.limits import INCREMENTS, increments_of
-from app.service import tasks
 from solver import Scene, SceneError
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force, tau_max
 from solver.analysis.regimes import END, MODULI, STRENGTHS, flat, mean_friction, sliding
@@ -39,6 +40,7 @@ ZERO_MEAN = 0.73  # of the critical modulus, a = 2.44 delta_t
 class StickSlip(LabPage):
     """Friction of the interface between two flats over displacement, and its mean over stiffness."""
 
+    TITLE = TITLE
     STATEMENT = (
         "Flat on flat at zero gap, with a rigid drive: nothing but shear. Paper: a strong or soft interface sticks and"
         " slips (Fig. 4a); a weak or stiff one slides continuously, almost without friction (Fig. 4b). Mean friction"
@@ -52,7 +54,7 @@ class StickSlip(LabPage):
             what = f"allowed here: {INCREMENTS} increments up to {END:g} nm"
             raise SceneError("du_x", own.du_x, what, "enlarge it")
         self.param.update(found={}, exact=await self.call(mean_friction, own))
-        await self.run(tasks.flat_frames, [own, *PAPER.values(), *measured(own)])
+        await self.run(flat_frames, [own, *PAPER.values(), *measured(own)])
         self.text = f"{in_words(own)} {self.text}"
 
     def content(self) -> list[Any]:

@@ -1,6 +1,6 @@
 """The page "Accuracy": error of F, L and A over run time and force evaluations, by the solver and the paper's GFMD.
 
-from app.lab.accuracy import view; view(Scene(E=140))
+from app.features.accuracy.research import view; view(Scene(E=140))
 """
 
 import json
@@ -12,14 +12,15 @@ import panel as pn
 import param
 
 from app.document import on_loop
-from app.lab.base import LabPage, side_by_side
+from app.features.accuracy.feature import TITLE
+from app.features.lab.base import LabPage, side_by_side
 from app.service.jobs import jobs
 from app.service.pool import HEAVY
 from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
 from solver.live_plots import PALE, WORKS, Curve, work_precision
 
-STORED = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
+STORED = json.loads(Path(__file__).with_name("accuracy.json").read_text(encoding="utf-8"))  # by tests/bench/curves.py
 BEFORE = [Point(**row) for row in STORED["points"]]
 SWEPT = "tolerance"
 LONGEST = 600.0  # s, time limit of a measurement
@@ -28,6 +29,7 @@ LONGEST = 600.0  # s, time limit of a measurement
 class Accuracy(LabPage):
     """Error over work of a scene, and of the default scene as measured before."""
 
+    TITLE = TITLE
     STATEMENT = (
         "Both methods solve the scene at several tolerances, up to just beyond its first slip. Numbers in the plots:"
         " tolerance (nm). Error: largest relative difference of F, L or A before the first slip from a run with a tenth"
