@@ -4,7 +4,8 @@ Delete a folder, and the app works without it. APP_FEATURES leaves features out,
 yours. This is the whole manual. All files of a folder but the first are optional:
 
     feature.py    begins with a docstring: one sentence, and "Needs NAME, NAME." if it imports other features. It may
-                  have a class `Feature`, a subclass of the one below: the part of one visitor on the server.
+                  have a class `Feature`, a subclass of the one below: the part of one visitor on the server. Without
+                  one it may set ORDER, ALONE and KEEPS, which are explained there.
     tasks.py      pure functions for workers; imports nothing of the server
     index.js      the part of the page; exports connect(), called once
     SLOT.html     a Jinja template for a place of the page. Slots: head, header, run, help, display, menu, above,
@@ -41,6 +42,7 @@ from solver import Scene
 from solver.following.skeleton import Skeleton
 
 log = logging.getLogger("app")
+PLAIN = "ORDER", "ALONE", "KEEPS"  # what a feature.py without a class may set itself
 NEEDS = re.compile(r"\bNeeds ([\w, ]+)\.")
 
 
@@ -144,10 +146,12 @@ def classes() -> dict[str, type[Feature]]:
 
     What cannot be imported, or needs a feature that is not there, is left out with a line in the log.
     """
-    made = {}
+    made: dict[str, Any] = {}
     for name in sorted(environment.chosen("APP_FEATURES", found())):
         try:
-            made[name] = getattr(import_module(f"app.features.{name}.feature"), "Feature", Feature)
+            module = import_module(f"app.features.{name}.feature")
+            plain = {of: value for of in PLAIN if (value := getattr(module, of, None)) is not None}
+            made[name] = getattr(module, "Feature", None) or type("Feature", (Feature,), plain)
         except Exception:
             log.exception("the feature %s is left out", name)
     while missing := {name: gone for name in made if (gone := [other for other in needed(name) if other not in made])}:

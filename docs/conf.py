@@ -53,7 +53,18 @@ def gallery(app, page, source):
             source[0] += SECTION.format(title=title, claim=claim, path=f"gallery/{path.name}", code=first)
 
 
+def features(app, page, source):
+    """List the features of the app by their own sentences, where a page asks for it."""
+    if "<!-- features -->" in source[0]:
+        from app.interface import found
+
+        rows = [f"| `{name}` | {text.partition(chr(10))[0]} |" for name, text in sorted(found().items())]
+        table = "\n".join(["| folder | feature |", "|---|---|", *rows])
+        source[0] = source[0].replace("<!-- features -->", table)
+
+
 def setup(app):
     """Connects the hooks; see https://www.sphinx-doc.org/en/master/extdev/event_callbacks.html."""
     app.connect("autodoc-process-docstring", plain)
     app.connect("source-read", gallery)
+    app.connect("source-read", features)
