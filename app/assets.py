@@ -70,6 +70,11 @@ def needed(*scripts: str) -> set[str]:
     return found
 
 
+def preloaded() -> list[str]:
+    """Return the names of all scripts that the page needs at once, in the order in which they are run."""
+    return list(dict.fromkeys(name for script in (MAIN, *scripts()) for name in sorted(needed(script))))
+
+
 def imported(by: str, name: str) -> str:
     """Return the name of the script that the script `by` imports as `name`."""
     return normpath((PurePosixPath(by).parent / name).as_posix())

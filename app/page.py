@@ -86,7 +86,7 @@ def values(root: str) -> dict[str, Any]:
         "main": f"{root}/{assets.MAIN}",
         "declarations": declarations(root) | {"reach": reach()._asdict()},  # not in a file that is given away
         "styles": assets.styles(),
-        "scripts": sorted(assets.needed(assets.MAIN, *assets.scripts())),
+        "scripts": assets.preloaded(),
         "controls": CONTROLS,
         "presets": _grouped(),
         "row": [preset for preset in presets().values() if preset.short],
