@@ -128,3 +128,17 @@ def test_motions_from_flutter_with_finer_steps_agree_as_they_raise_the_load_as_s
     scene = preset("pull-after-shear").scene
     frames = [frame for frame in load_path(scene) if any(event.kind == "flutter" for event in frame.slips)]
     assert [frame.sensitive for frame in frames] == [False] and frames[0].evaluations < 30_000
+
+
+@pytest.mark.slow
+def test_after_a_flutter_the_motion_is_repeated_from_where_the_surface_left_the_branch():
+    """The oscillation takes most of the motion, and saturates whatever its start: repeated from it, 51,853 evaluations.
+
+    F after the slip is that of a motion with half of the step, to the accuracy of a frame.
+    """
+    found = Scene(E=10.0, phi_ratio=2.0, du_x=1.0)
+    frame = next(f for f in load_path(found) if any(event.kind == "flutter" for event in f.slips))
+    (event,) = frame.slips
+    assert event.load == pytest.approx(31.064062, abs=1e-5) and not event.sensitive
+    assert pytest.approx(93.68644, rel=1e-5) == frame.F
+    assert frame.evaluations < 30_000
