@@ -17,8 +17,10 @@ HALF = Trial(2.0)  # over one barrier: half of the usual step
 # Over several barriers. The first trial changes only the step: two trials with other starts were wrong together
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
 # From flutter GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere. The
-# oscillation before takes most of the motion, so that this is repeated from its last state near the end; only that of a
-# flat, whose waves must grow first, begins anew
+# oscillation before may take most of the motion. If it lasted for SATURATED steps, from which on a motion may count as
+# restless, its start is forgotten, and the motion is repeated from its last state near the end. From shorter ones,
+# three of eight small cells landed alike where motions from the end do not
+SATURATED = 4_000
 FARTHER = Trial(nearer=0.2)
 # Where all nodes are alike, waves must grow near the end of the branch. From the usual start, five times as far, one of
 # 300 cells (tests/bench/landings.py) fell before they had grown. From 4 and 20 times nearer it lands in the same state.
@@ -38,7 +40,7 @@ def motion_to_rest(problem, end, judge, damping, closed) -> End:
         return slip._replace(sensitive=True)
     finer, agreeing = _finer(problem.sites(end.v, state.v), stalled)
     flutter, alike = end.kind == "flutter", problem.alike(end.v)
-    if fall is not None and not alike:
+    if fall is not None and fall.steps > SATURATED and not alike:
         trials = finer[: max(agreeing, 1)] or (HALF,)
         states = (_tried(motion, problem, end, trial, steps, fall) for trial in trials)
         return slip._replace(sensitive=not all(_same(problem, slip.after, state) for state in states))

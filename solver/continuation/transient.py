@@ -59,11 +59,15 @@ class Trial(NamedTuple):
 
 
 class Fall(NamedTuple):
-    """Where a motion leaves the end of a branch after an oscillation: a Motion as it was, the load, and the state."""
+    """Where a motion leaves the end of a branch after an oscillation: a Motion as it was, the load, and the state.
+
+    steps: those of the oscillation.
+    """
 
     motion: Motion
     load: float  # nm
     v: np.ndarray  # (size,)
+    steps: int
 
 
 class TooLong(Restless):
@@ -148,7 +152,7 @@ class Transient:
     def _note_fall(self):
         """Keep the present state if it is still near the end of the branch, which moves about as far as the load."""
         if np.abs(self.v - self.end.v).max() - (self.load - self.end.load) < LEAVING * self.unit:
-            self.fall = Fall(self.motion.copy(), self.load, self.v)
+            self.fall = Fall(self.motion.copy(), self.load, self.v, self.steps)
 
     def _note_stall(self, before, speed):
         """Keep the state before the last check if the motion was slower there than before and after."""
