@@ -7,9 +7,13 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import current_process, get_context
 from typing import Any
+
+# processes as many as cores need no further threads
+ONE_THREAD = "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"
 
 
 def processes(count: int | None = None) -> ProcessPoolExecutor:
@@ -20,10 +24,27 @@ def processes(count: int | None = None) -> ProcessPoolExecutor:
     """
     if getattr(current_process(), "_inheriting", False):
         raise SystemExit(1)  # this process imports a script without that line; `explore_map` reports it
-    context: Any = get_context("forkserver" if sys.platform == "linux" else "spawn")
-    if sys.platform == "linux":
-        context.set_forkserver_preload(["solver.analysis.maps.task"])
-    return ProcessPoolExecutor(count, mp_context=context)
+    if sys.platform != "linux":
+        return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+    from multiprocessing import forkserver  # Windows has none
+
+    with _one_thread_each():
+        forkserver.set_forkserver_preload(["solver.analysis.maps.task"])
+        forkserver.ensure_running()
+    return ProcessPoolExecutor(count, mp_context=get_context("forkserver"))
+
+
+@contextmanager
+def _one_thread_each():
+    """The environment tells libraries that a process which starts now loads to use one thread."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            os.environ.update({name: value} if value is not None else {})
 
 
 def outcomes(

@@ -15,6 +15,7 @@ Infinite damping is the overdamped limit of uniform mobility, gamma u' = K (U - 
 Source: Newmark 1959; mass as in Zhou, Moseler & Mueser 2019, doi:10.1103/PhysRevB.99.144103.
 """
 
+from copy import copy
 from functools import cached_property
 from math import ceil, log2, sqrt
 
@@ -46,6 +47,12 @@ class Motion:
         self._power: tuple | None = None
         self._mass, self._starts = None, True
         self._tables: dict[tuple, tuple] = {}  # of powers of two of the stiffness: a slip takes fewer than 16
+
+    def copy(self) -> "Motion":
+        """An independent copy, which may go on with other steps."""
+        other = copy(self)
+        other.y, other.change, other._tables = self.y.copy(), self.change.copy(), {}
+        return other
 
     def soften(self, stiffness, pace=1.0) -> None:
         """Adapt masses and steps to an interaction of that largest stiffness, GPa/nm; kinetic energy is kept.

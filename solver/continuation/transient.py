@@ -43,6 +43,10 @@ FARTHER = 1.3
 # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
 STALLED = 0.3
 STALLS = 50  # most states kept for that; so many mean that it has stalled
+# units from the end of a branch, which an oscillation after flutter soon reaches, whatever its start. From 0.6 on the
+# motion is decided: repeated from there, a rough surface landed alike where motions from the end do not
+LEAVING = 0.3
+WANDERED = 0.2  # units of rise of the load beyond which a motion does not determine the equilibrium
 DIVERGED = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
 
@@ -54,6 +58,18 @@ class Trial(NamedTuple):
     kick: float = 0.0  # units, standard deviation of a random displacement of all unknowns, which breaks symmetries
 
 
+class Fall(NamedTuple):
+    """Where a motion leaves the end of a branch after an oscillation: a Motion as it was, the load, and the state.
+
+    steps: those of the oscillation.
+    """
+
+    motion: Motion
+    load: float  # nm
+    v: np.ndarray  # (size,)
+    steps: int
+
+
 class TooLong(Restless):
     """The motion diverged, or did not come to rest; shorter steps may help."""
 
@@ -61,13 +77,14 @@ class TooLong(Restless):
 class Transient:
     """One motion to rest, with the steps and the start of a Trial.
 
-    Attributes: load, v: the present state; ahead: its change since the last check; starting: whether it is still near
-    the end of the branch; pace: factor of the usual steps; sharper: factor of the bounds below which Anderson steps are
-    tried.
+    Attributes: load, v: the present state; fall: after a flutter, where the motion left its end; ahead: the change
+    since the last check; starting: whether it is still near the end of the branch; pace: factor of the usual steps;
+    sharper: factor of the bounds below which Anderson steps are tried.
     """
 
-    def __init__(self, problem, end, trial, judge, damping, closed, most=BUDGET):
-        self.most = most
+    def __init__(self, problem, end, trial, judge, damping, closed, most=BUDGET, fall=None):
+        """fall: of an earlier motion, which is repeated from there with the steps of the Trial."""
+        self.most, self.fall, self.repeats = most, fall, fall is not None
         self.problem, self.judge, self.damping, self.end = problem, judge, damping, end
         self.unit, self.trial, self.mode, self.sharper = problem.unit, trial, None, 1.0
         self.away = DEPARTURE * self.unit * end.phi
@@ -78,6 +95,9 @@ class Transient:
         self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
         self.pace = SLOW if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
+        if fall is not None:
+            self.motion, self.load, self.v = fall.motion.copy(), fall.load, fall.v.copy()
+            self.pace, self.starting = 1.0, False
         self._tried = 0.0  # nm, rise of the load since the end of the branch at which Anderson steps were last tried
         self._speeds, self._stalls = (0.0, 0.0), list[np.ndarray]()  # nm per time, at the last two checks
 
@@ -125,7 +145,14 @@ class Transient:
         self.ahead = self.v - before
         self._note_stall(before, np.abs(self.ahead).max() / (STEPS * motion.time))
         self.problem.hold(self.v, self.load)
-        self.starting = self._near_end(self.v)
+        self.starting = self._near_end(self.v) and not self.repeats
+        if self.end.kind == "flutter" and not self.repeats:
+            self._note_fall()
+
+    def _note_fall(self):
+        """Keep the present state if it is still near the end of the branch, which moves about as far as the load."""
+        if np.abs(self.v - self.end.v).max() - (self.load - self.end.load) < LEAVING * self.unit:
+            self.fall = Fall(self.motion.copy(), self.load, self.v, self.steps)
 
     def _note_stall(self, before, speed):
         """Keep the state before the last check if the motion was slower there than before and after."""
@@ -200,6 +227,8 @@ class Transient:
         if self.load > self.end.load + 5.0 * self.unit:
             raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
         rise = self.load - self.end.load
+        if self.repeats and rise > WANDERED * self.unit:
+            raise NotConverged("the load rises too far for the motion to agree with another one", Outcome.RESTLESS)
         if self.sharper == 1.0 or rise > FARTHER * self._tried:
             self.sharper, self._tried = 1.0, rise
         self.motion.load = self.load

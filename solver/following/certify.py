@@ -6,6 +6,7 @@ walked in long steps, which shows a jump that following has forgotten.
 """
 
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,9 @@ from ..threads import computation
 from .approach import latest, rested, undeformed, walk
 from .skeleton import Held, Skeleton
 
-LIMIT = 30_000  # force evaluations, ten times those of the default: one landing at a saddle took five exact runs
+# force evaluations, seven times those of the default: one landing at a saddle took ten exact runs. In the overdamped
+# limit surfaces come to rest far more slowly
+LIMIT, OVERDAMPED = 20_000, 300_000
 FOLD = 1e-4  # nm, of a load: what followed runs promise
 SAME = 0.01  # units of the problem: the end of the approach, and the first state of the shear
 NEAR = 0.03  # units: a followed state from the one solved from it. Right ones lie within 1e-4, those of a ratio 2 % off
@@ -91,11 +94,12 @@ class _TooLong(Exception):
 
 
 @computation
-def certify(skeleton: Skeleton, limit: int = LIMIT, known: Certificate | None = None) -> Certificate:
+def certify(skeleton: Skeleton, limit: int | None = None, known: Certificate | None = None) -> Certificate:
     """Checks that a skeleton is the run of its scene, for a part of the cost of that run.
 
-    Parameters: skeleton: as of `follow` or `skeleton_of`; limit: most force evaluations; known: the Certificate of a
-    scene that differs in its depth or shear alone, whose approach serves; one of another scene is not used.
+    Parameters: skeleton: as of `follow` or `skeleton_of`; limit: most force evaluations (default: LIMIT, at infinite
+    damping OVERDAMPED); known: the Certificate of a scene that differs in its depth or shear alone, whose approach
+    serves; one of another scene is not used.
     Returns a Certificate. Its `found` names what does not hold, or that the limit was reached: compute the run then.
     Raises TypeError for anything but a Skeleton.
 
@@ -103,6 +107,8 @@ def certify(skeleton: Skeleton, limit: int = LIMIT, known: Certificate | None = 
     """
     if not isinstance(skeleton, Skeleton):
         raise TypeError(f"skeleton = {type(skeleton).__name__}: allowed: a Skeleton; use skeleton_of(scene)")
+    if limit is None:
+        limit = LIMIT if isfinite(skeleton.scene.damping) else OVERDAMPED
     check, exact = _Check(skeleton, limit), None
     try:
         v = check.approach(known if _serves(known, skeleton.scene) else None)

@@ -77,9 +77,9 @@ class Weighted:
         self._compliance = np.array([zz, xx, -c]) / (xx * zz - c * c)
         self._velocity, self.step = np.zeros_like(y), 0.0
 
-    def soften(self, stiffness) -> None:
+    def soften(self, stiffness, pace=1.0) -> None:
         """Adapt the step to that spectral radius of dr/du."""
-        self.step = SAFETY * 2.0 / np.sqrt(stiffness)
+        self.step = pace * SAFETY * 2.0 / np.sqrt(stiffness)
 
     def advance(self, steps) -> None:
         """Make so many steps; a force evaluation each."""
@@ -101,9 +101,9 @@ class FireMotion(Weighted):
         super().__init__(dynamics, y, load)
         self._engine, self._mixing, self._since = engine, engine.mixing, 0  # steps since the power was negative
 
-    def soften(self, stiffness) -> None:
+    def soften(self, stiffness, pace=1.0) -> None:
         """Adapt the longest step."""
-        self._longest = SAFETY * 2.0 / np.sqrt(stiffness)
+        self._longest = pace * SAFETY * 2.0 / np.sqrt(stiffness)
         self.step = min(self.step or self._engine.start * self._longest, self._longest)
 
     def _law(self, residual):

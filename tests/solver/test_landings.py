@@ -1,5 +1,7 @@
 """Which equilibrium a slip reaches, on surfaces unlike the punch: judged by the plain GFMD, which shares only Scene."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from helpers import first_slip
@@ -7,6 +9,7 @@ from plain_gfmd import Plain
 from toys import cubic, lattice
 
 from solver import Scene, load_path, whole_surface
+from solver.continuation.gfmd import Gfmd
 from solver.continuation.motion import Motion
 from solver.continuation.rest import Judge
 from solver.continuation.state import End
@@ -128,3 +131,29 @@ def test_motions_from_flutter_with_finer_steps_agree_as_they_raise_the_load_as_s
     scene = preset("pull-after-shear").scene
     frames = [frame for frame in load_path(scene) if any(event.kind == "flutter" for event in frame.slips)]
     assert [frame.sensitive for frame in frames] == [False] and frames[0].evaluations < 30_000
+
+
+@pytest.mark.slow
+def test_after_a_flutter_the_motion_is_repeated_from_where_the_surface_left_the_branch():
+    """The oscillation takes most of the motion, and saturates whatever its start: repeated from it, 51,853 evaluations.
+
+    F after the slip is that of a motion with half of the step, to the accuracy of a frame.
+    """
+    found = Scene(E=10.0, phi_ratio=2.0, du_x=1.0)
+    frame = next(f for f in load_path(found) if any(event.kind == "flutter" for event in f.slips))
+    (event,) = frame.slips
+    assert event.load == pytest.approx(31.064062, abs=1e-5) and not event.sensitive
+    assert pytest.approx(93.68644, rel=1e-5) == frame.F
+    assert frame.evaluations < 30_000
+
+
+def test_the_reference_method_lands_where_half_of_its_steps_do_or_names_the_slip_sensitive():
+    """With the usual steps alone the second slip of this soft punch landed a site elsewhere than with a quarter."""
+    soft = Scene(
+        nodes=32, width=87.9, radius=2.0, E=6.14, phi_ratio=1.42, delta_bar=0.01, u_x_max=25.0, du_x=0.5, du_z=1.0,
+        tolerance=1e-5,
+    )  # fmt: skip
+    frames, quarter = (list(load_path(soft, method)) for method in ("gfmd", partial(Gfmd, pace=0.25)))
+    assert any(frame.slips for frame in frames)
+    for frame, finer in zip(frames, quarter, strict=True):
+        assert pytest.approx(finer.F, abs=1e-3 * frames[-1].F) == frame.F or frame.sensitive or finer.sensitive
