@@ -136,7 +136,7 @@ def found() -> dict[str, str]:
 
 def needed(name: str) -> list[str]:
     """Return the names of the features that a feature needs."""
-    claim = NEEDS.search(found()[name])
+    claim = NEEDS.search(found()[name].split("\n")[0])
     return re.split(r"[, ]+", claim[1]) if claim else []
 
 

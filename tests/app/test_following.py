@@ -251,14 +251,6 @@ def test_skip_starts_the_newest_position_that_waits(page):
     assert page.session.run.scene.phi_ratio == 0.6
 
 
-def test_marks_of_the_sliders_are_those_of_the_scene_also_after_a_run_that_was_skipped(page):
-    pytest.importorskip("app.features.marks.feature")
-    page.order("scene", phi_ratio=0.5)
-    page.order("skip")
-    assert page.status()["state"] == "skipped"
-    assert all(call[1].phi_ratio == 0.5 for call in page.session.features["marks"].waiting)
-
-
 def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
     page.order("scene", phi_ratio=0.5)
     (task,) = page.pool.waiting(worker.compute)

@@ -158,7 +158,7 @@ def test_requests_without_a_browser_bound_pages_of_features_and_keep_nobody_out_
 
 
 def test_a_too_long_address_is_answered_with_414(address):
-    status, _, body = get(f"{address}/app?E=80&profile={random.Random(0).randbytes(3500).hex()}")  # not compressible
+    status, _, body = get(f"{address}/app?E=80&preset={random.Random(0).randbytes(3500).hex()}")  # not compressible
     assert status == 414 and b"address is too long" in body and b'href="./app"' in body
 
 

@@ -1,11 +1,12 @@
 """The page "Fit" in Python: example data, measured curves, and parameters that fit them."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import panel as pn
 import pytest
 
-from app.features.curve import feature as measured
+from app import interface
 from app.features.fit import research as fit
 from solver import Scene
 
@@ -47,7 +48,8 @@ def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content
 
 
 def test_the_page_fit_reads_the_curve_over_the_run_of_the_experiment_or_asks_for_the_file(monkeypatch):
-    monkeypatch.setitem(measured._kept, "key", (b"U_x,F\n" + ROWS, None, None))
+    curve = SimpleNamespace(kept={"key": (b"U_x,F\n" + ROWS, None, None)}.get)
+    monkeypatch.setattr(interface, "classes", lambda: {"curve": curve})
     for key, said in (("key", "19 points"), ("gone", "Choose the file again")):
         page = fit.Fit(SMALL)
         page.key = key

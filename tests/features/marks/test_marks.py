@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+from visitor import order
 
 from app.features.marks.feature import Feature as Marks
 from app.features.marks.feature import mark_calls
@@ -111,3 +112,12 @@ def test_moving_a_slider_recomputes_the_marks_of_the_other_sliders_only(default)
     asked.clear()
     page.ended(SimpleNamespace(scene=Scene(delta_bar=0.1)), moved(default, delta_bar=0.1))
     assert sorted(asked) == ["E", "phi_ratio"]
+
+
+def test_marks_of_the_sliders_are_those_of_the_scene_also_after_a_run_that_was_skipped(session):
+    order(session, "restore", preset="fig4a-blue")
+    order(session, "scene", E="80")
+    order(session, "skip")
+    calls = [*session.features["marks"].waiting]
+    assert session.status["state"] == "skipped" and calls
+    assert all(scene.E == 80.0 for _, scene, _ in calls)
