@@ -1,9 +1,6 @@
 """Every feature may be left out, and all of them: the page computes, plays and answers as with all."""
 
-import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 from served import ROOT, TROUBLE, Server, enter, finished, values_are

@@ -40,7 +40,7 @@ QUANTITIES = {  # of a Point: label and unit
     "asymmetry": ("peel asymmetry", ""),
     "sites": ("sites of a slip", ""),
     "reattached": ("share reattached", ""),
-    "L_min": ("load L at pull-off", "N/m"),
+    "L_min": ("largest pull, load L", "N/m"),
 }
 # Pickled Skeletons by Scene, for all visitors: 200 MB. Without one nearby, a point of a map needs a full run
 skeletons = Cache(200e6)

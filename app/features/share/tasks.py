@@ -30,7 +30,8 @@ def file_of_run(scene: Scene, kind: str) -> bytes | None:
         if kind == "npz":
             write_npz(file, scene, frames)
         else:
-            write_json(file, report_of(scene, frames, "fast", perf_counter() - begun, checkpoint.failure))
+            seconds = perf_counter() - begun
+            write_json(file, report_of(scene, frames, "fast", seconds, checkpoint.failure, checkpoint.outcome))
         return file.read_bytes()
 
 
