@@ -108,7 +108,7 @@ def test_a_cancelled_map_can_be_resumed(session, page):
 def test_map_title_names_the_displayed_quantity(session, page):
     assert page.published["texts"]["regimes-quantity"] == "friction Fₛ of the first slip"
     order(session, "ask", what="of", of="L_min")
-    assert page.published["texts"]["regimes-quantity"] == "load L at pull-off"
+    assert page.published["texts"]["regimes-quantity"] == "largest pull, load L"
 
 
 def test_a_map_that_could_not_be_drawn_is_begun_again(session, page):
