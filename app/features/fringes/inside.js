@@ -4,7 +4,7 @@
 import { order, take } from "../../static/js/channel.js"
 import { redrawPunch } from "../../static/js/store.js"
 
-const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as app/session/extras.py
+const GEOMETRY = ["nu", "height", "width", "nodes"] // of a scene, as feature.py
 const KEPT = 3 // of each
 const LOST = 2000 // ms after which a table that did not come is asked for again
 const FACTORS = 6 // of a mode: of sigma_xx, sigma_zz, sigma_xz, each even and odd (tasks.layer_table)

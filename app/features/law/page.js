@@ -49,7 +49,7 @@ export function receive(news) {
   if (law) draw()
 }
 
-// The factors of the law at places (nm): S0 and S1 of app/pages/law/page.py, and the range of what is drawn
+// The factors of the law at places (nm): S0 and S1 of page.py, and the range of what is drawn
 function ofLaw({ constants: [, , delta_n, delta_t, period, window, opening] }) {
   const factors = lawOf([1, 2, delta_n, delta_t, period, window, opening]), a = period * delta_t
   const sums = (s) => {

@@ -12,7 +12,7 @@ import { ask } from "../pages/index.js"
 const DIGITS = 4 // of a value
 const NAMED = 420 // px, from which on the names of regimes stand beside each other
 
-let map = null // of the server, see app/pages/regimes/page.py; a place is in columns and rows
+let map = null // of the server, see page.py; a place is in columns and rows
 
 const sides = () => [by("regimes-x"), by("regimes-y")]
 let shown = [] // parameters of the axes
