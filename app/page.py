@@ -88,9 +88,6 @@ def values(root: str) -> dict[str, Any]:
         "styles": assets.styles(),
         "scripts": assets.preloaded(),
         "controls": CONTROLS,
-        "presets": _grouped(),
-        "row": [preset for preset in presets().values() if preset.short],
-        "pictures": {path.stem: path.read_text(encoding="utf-8") for path in (HERE / "html" / "row").glob("*.svg")},
         "schema": schema,
         "speeds": SPEEDS,
         "plain_speed": PLAIN_SPEED,
@@ -99,18 +96,10 @@ def values(root: str) -> dict[str, Any]:
     }
 
 
-def _grouped():
-    """Return {group: presets} for the menu."""
-    groups = {}
-    for preset in presets().values():
-        groups.setdefault(preset.group, []).append(preset)
-    return groups
-
-
 def declarations(root: str) -> dict[str, Any]:
     """Return the declarations of presets, marks and sliders that the browser needs."""
     return {
-        "looks": {preset.name: preset.look for preset in presets().values()},
+        "titles": {preset.name: preset.title for preset in presets().values()},
         "nodes": {name: vars(node) for name, node in schema.NODES.items()},
         "usual": {preset.name: values_of(preset.scene) for preset in presets().values()},
         "positions": {control.name: list(control.positions) for control in CONTROLS},

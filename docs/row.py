@@ -2,7 +2,8 @@
 
     python docs/row.py
 
-Writes an SVG for each preset that the row shows, app/html/row/NAME.svg: the friction over the displacement of the top
+Writes an SVG for each preset that the row shows, NAME.svg in app/features/presets/row: the friction over the
+displacement of the top
 (the load over the depth where nothing slides), and the contact area below it, each to a scale of its own.
 The page includes them as text, so its style sheets colour them.
 """
@@ -14,7 +15,7 @@ from solver import load_path
 from solver.presets import presets
 from solver.run.load_steps import lifts
 
-PLACE = Path(__file__).parents[1] / "app" / "html" / "row"
+PLACE = Path(__file__).parents[1] / "app" / "features" / "presets" / "row"
 WIDE, HIGH, EDGE = 240, 128, 6  # units of a picture, whole numbers: a quarter of a pixel of the page
 BAND = 0.4  # of the height, for the area
 

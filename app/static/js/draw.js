@@ -6,9 +6,8 @@ import { drawCurves } from "./curves.js"
 import { by } from "./dom.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
-import { cost, frame, me, memory, set, touch, view } from "./store.js"
+import { cost, frame, me, memory, set, touch } from "./store.js"
 import { connectStory, drawStory } from "./story.js"
-import { tellFrame, tellSummary } from "./words.js"
 
 const QUIET = 150 // ms between two drawings of a growing run: it needs the processor itself
 const REST = 1.5 // times as long as a picture took, until the next while playing: leaves an old laptop time for others
@@ -20,7 +19,6 @@ let timer = 0
 export function connect() {
   frame(["run", "ghost", "beside", "at", "preview", "instead", "playing", "dragging", "following", "look"], draw)
   frame(["picture"], drawPunch)
-  view(["picture", "said", "playing", "dragging"], tellSummary)
   charts.punch.fill("story", { draw: drawStory })
   connectStory()
   charts.punch.under = drawBands
@@ -61,7 +59,7 @@ function again(pause) {
 // All that shows frame k of a run, or of a motion through a slip
 function drawIncrement(run, k) {
   drawFrame(run, k)
-  tellFrame(run, k)
+  by("scrub").setAttribute("aria-valuetext", `${run.leg(k)} increment ${run.curves.index[k]}`)
   me.picture = { run, k }
 }
 

@@ -3,15 +3,15 @@
 import { theme } from "./colours.js"
 import { by, closest, on, onDrag, readdress } from "./dom.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
-import { enter, letGo, restore, steer } from "./steer.js"
-import { alone, declared, beginChange, me, redraw, reduced, set } from "./store.js"
+import { enter, letGo, steer } from "./steer.js"
+import { alone, declared, me, redraw } from "./store.js"
 import { chooseNext, connectViews, lettersAreKeys, project, seeMore } from "./view.js"
 
 const DECIDED = 6 // px after which it is clear which way is meant
 const PART = 0.5 // of the path for the width of the view
 const DEEP = 1 / 150 // of delta_bar per px: a third of the slider in 100 px
 
-let chosen = "" // the menu in which something was just chosen: there Space plays, while before it opens the menu
+let chosen = null // the menu in which something was just chosen: there Space plays, while before it opens the menu
 
 function connectSlider(name, values) {
   const slider = by(name)
@@ -76,19 +76,11 @@ function onKey(event) {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
   const taken = at("input[type=text], input[type=search]") || (at("button, [type=checkbox]") && key === " ")
-    || (at("select") && !(key === " " && event.target.id === chosen)) || (at("input") && !/^[ a-z]$/.test(key))
+    || (at("select") && !(key === " " && event.target === chosen)) || (at("input") && !/^[ a-z]$/.test(key))
   if (held || event.altKey || taken || open || !KEYS[key]) return
   event.preventDefault()
   hideHint()
   KEYS[key](event.shiftKey ? 10 : 1)
-}
-
-// An experiment chosen starts: it is shown as it is computed, then played from its beginning
-function choosePreset(preset) {
-  beginChange(false)
-  set({ following: true, preview: null, place: null, at: 0 })
-  restore({ preset })
-  if (!reduced) play(true)
 }
 
 // The hint over the contact goes once anything was moved
@@ -106,7 +98,6 @@ export function connect() {
     entry.dataset.given = entry.value
     enter({ [entry.id.replace("-entry", "")]: entry.value })
   })
-  on("row", "change", ({ target }) => choosePreset(target.value))
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
   document.querySelector("header").addEventListener("click", (event) => {
     if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
@@ -124,10 +115,8 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
-  for (const menu of ["preset", "speed"]) {
-    on(menu, "change", () => { chosen = menu })
-    on(menu, "blur", () => { chosen = "" })
-  }
+  document.addEventListener("change", ({ target }) => { if (target.matches("[data-plays]")) chosen = target })
+  document.addEventListener("focusout", () => { chosen = null })
   on("theme", "click", switchTheme)
   connectViews()
   document.addEventListener("keydown", onKey)

@@ -3,11 +3,10 @@
 
 import { heard as acknowledged, order, outdated } from "./channel.js"
 import { by, on, say, tell } from "./dom.js"
-import { differing, fixed, minus, named } from "./quantities.js"
+import { differing, fixed, named } from "./quantities.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
-import { alone, declared, ended, me, view } from "./store.js"
-import { changedIn, inWords, titleOf } from "./words.js"
+import { alone, ended, me, view } from "./store.js"
 
 export function connect() {
   on("skip", "click", () => order("skip"))
@@ -41,8 +40,6 @@ function tellScene() {
   if (described !== status) {
     describeAll(status, described?.values)
     described = status
-    namePreset()
-    tell(by("look"), presetText())
   }
 }
 
@@ -77,21 +74,6 @@ function checkTruth() {
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
   const stale = outOfDate(me.picture?.run), mixed = outOfDate(me.charted)
   Object.assign(document.querySelector(".page").dataset, { mixed, stale })
-}
-
-// The menu, which says so where the scene is no longer that of the preset; choosing the preset then brings it back
-function namePreset() {
-  const menu = by("preset"), { preset, address } = me.status
-  menu.options[0].textContent = `${titleOf(preset)} – changed`
-  menu.value = changedIn(address).length ? "" : preset
-  for (const radio of document.querySelectorAll("#row input")) radio.checked = radio.value === menu.value
-}
-
-// What to look for, where the scene is still that of the preset
-function presetText() {
-  const { preset, address } = me.status
-  const changed = changedIn(address).map((name) => `${inWords(name)} = ${minus(address[name])}`)
-  return changed.length ? `changed: ${changed.join(", ")}` : declared.looks[preset]
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped

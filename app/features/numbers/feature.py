@@ -1,0 +1,3 @@
+"""Numbers: the increment on screen with its units, also for those who hear the page."""
+
+ALONE = True
