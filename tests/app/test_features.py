@@ -1,15 +1,21 @@
 """Features are folders: each may be missing, or fail, and the page goes on (app/interface.py)."""
 
 import logging
+import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from app import environment, interface
 
-NAMES = sorted(interface.found())
+APP = Path(__file__).parents[2] / "app"
+FEATURES = APP / "features"
+KINDS = ".py", ".js", ".css", ".html"
+GENERAL = {"feature", "tasks", "index", "page"}  # names of scripts of any feature
+NAMES = sorted(name for name in interface.found() if (FEATURES / name).exists())
 OTHERS = ["first", "second", "third"]
 
 
@@ -101,9 +107,6 @@ def test_a_feature_without_what_it_needs_and_one_that_cannot_be_imported_are_lef
     assert "the feature broken is left out" in log and "nothing_of_this_name" in log
 
 
-APP = Path(__file__).parents[2] / "app"
-
-
 LONGEST = 120  # characters of a line, as ruff holds for Python
 
 
@@ -113,3 +116,166 @@ def test_lines_of_scripts_styles_and_templates_have_at_most_120_characters(kind)
     assert files
     lines = [(path.name, line) for path in files for line in path.read_text(encoding="utf-8").splitlines()]
     assert not [(name, line) for name, line in lines if len(line) > LONGEST]
+
+
+@cache
+def texts(folder):
+    """{path: text} of the code in a folder."""
+    paths = [path for path in folder.rglob("*") if path.suffix in KINDS and "__pycache__" not in path.parts]
+    return {path: path.read_text(encoding="utf-8") for path in sorted(paths)}
+
+
+def of_kinds(files, *kinds):
+    return {path: text for path, text in files.items() if path.suffix in kinds}
+
+
+@cache
+def core():
+    """{path: text} of the code of the app that belongs to no feature."""
+    return {path: text for path, text in texts(APP).items() if FEATURES not in path.parents}
+
+
+def named_in(path, text):
+    """Names of the features whose modules or files a file imports, or mentions by their path."""
+    relative = re.findall(r'(?:from |import\(|import )"(\.[^"]+)"', text) if path.suffix == ".js" else []
+    reached = [(path.parent / name).resolve() for name in relative]
+    inside = {other.relative_to(FEATURES).parts[0] for other in reached if FEATURES in other.parents}
+    return (inside | set(re.findall(r"\bfeatures[./](\w+)", text))) & set(NAMES)
+
+
+def test_the_core_imports_no_feature():
+    assert not {path.name: found for path, text in core().items() if (found := named_in(path, text))}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_feature_imports_only_those_that_its_sentence_names(name):
+    known = {name, *interface.needed(name)}
+    found = {path.name: named_in(path, text) - known for path, text in texts(FEATURES / name).items()}
+    assert not {path: others for path, others in found.items() if others}
+
+
+def words(pattern, files):
+    """Words that a pattern finds in code, without those that a template makes."""
+    code = [re.sub(r"\{\{.*?\}\}|\{%.*?%\}|\$\{.*?\}", "{}", text) for text in files.values()]
+    found = {word for text in code for group in re.findall(pattern, text) for word in group.split()}
+    return {word for word in found if "{}" not in word}
+
+
+def ids(files):
+    """Ids of the elements that templates and scripts make."""
+    return words(r'\bid(?:="|: ")([^"]+)"', of_kinds(files, ".html", ".js"))
+
+
+def classes(files):
+    """Classes of the elements that templates and scripts make."""
+    return words(r'\bclass(?:="|Name: "|List\.\w+\(")([^"]+)"', of_kinds(files, ".html", ".js"))
+
+
+def fields(files):
+    """Fields of the store that scripts declare."""
+    return {
+        field for group in re.findall(r"\bdeclare\(\{(.*?)\}\)", _one(files), re.S) for field in FIELD.findall(group)
+    }
+
+
+def keys(files):
+    return set(re.findall(r'\bKEYS(?:\.|\[")(\w+)(?:"\])? = ', _one(files)))
+
+
+FIELD = re.compile(r"(?:^|,)\s*(\w+):")
+
+
+def _one(files):
+    return "\n".join(of_kinds(files, ".js").values())
+
+
+def shared_classes(name):
+    """Classes of unrelated features: what several use without needing each other is the core's."""
+    related = {other for other in NAMES if name in needs(other)} | needs(name)
+    return set().union(*(classes(texts(FEATURES / other)) for other in set(NAMES) - related))
+
+
+def needs(name):
+    return {name}.union(*map(needs, interface.needed(name)))
+
+
+def owned(name):
+    """{what: names} that a feature declares."""
+    made, files = interface.classes()[name], texts(FEATURES / name)
+    orders = {one.order.name for one in vars(made).values() if hasattr(one, "order")}
+    return {
+        "message": set(made.PARAMS) | orders,
+        "id": ids(files),
+        "class": classes(files) - classes(core()) - shared_classes(name),
+        "field": fields(files),
+        "key": keys(files),
+        "name in an address": set(made.READS | made.KEEPS),
+        "file": {path.name for path in of_kinds(files, ".py", ".js") if path.stem not in GENERAL},
+    }
+
+
+USES = {  # how the core would use a name of a feature
+    "message": r'\b(?:order|take|send)\("{0}"|^    {0} = param\.|\bstage\.{0}\b',
+    "id": r'\b(?:by|on|say|getElementById)\("{0}"|#{0}(?![\w-])|\b(?:id|for|aria-\w+)="(?:[^"]* )?{0}[" ]',
+    "class": r'\("[^"]*\.{0}(?![\w-])|\bclass="(?:[^"]* )?{0}[" ]',
+    "class of a style": r"\.{0}(?![\w-])",
+    "field": r'\bme\.{0}\b|\b(?:view|frame)\(\[[^\]]*"{0}"|\bset\(\{{[^}}]*\b{0}:',
+    "key": r"\bKEYS = \{{[^}}]*\b{0}:",
+    "name in an address": r'^FOR_\w+[^\n]*"{0}"|\b(?:get|has|set|delete|append)\("{0}"|arguments\["{0}"\]',
+    "file": r'[/"`]{0}\b',
+}
+
+
+@pytest.mark.parametrize(
+    ("what", "line"),
+    [
+        ("message", 'order("odd", { run })'),
+        ("message", '    odd = param.Dict({}, doc="")'),
+        ("id", 'by("odd").hidden = true'),
+        ("id", "#odd > p { margin: 0; }"),
+        ("id", '<label for="odd">'),
+        ("class of a style", ".page .odd { margin: 0; }"),
+        ("class", 'all("i.odd")'),
+        ("class", '<b class="key odd">'),
+        ("field", "me.odd = 1"),
+        ("field", 'view(["run", "odd"], draw)'),
+        ("key", "KEYS = { r: reset, odd: call }"),
+        ("name in an address", 'FOR_BROWSER: set[str] = {"theme", "odd"}'),
+        ("name in an address", 'search.get("odd")'),
+        ("file", "// see later/odd"),
+    ],
+)
+def test_a_use_of_a_name_is_recognised_and_one_of_a_longer_name_is_none(what, line):
+    assert re.search(USES[what].format("odd"), line, re.M)
+    assert not re.search(USES[what].format("odd"), line.replace("odd", "oddly"), re.M)
+
+
+def test_names_are_found_where_features_declare_them():
+    page = '<p id="odd {{ name }}-text" class="key wide of-{{ name }}">'
+    script = 'make("b", { id: "more", className: "thin" }); declare({ first: 0, second: {} }); KEYS.m = call'
+    files = {Path("run.html"): page, Path("index.js"): script}
+    assert (ids(files), classes(files)) == ({"odd", "more"}, {"key", "wide", "thin"})
+    assert (fields(files), keys(files)) == ({"first", "second"}, {"m"})
+
+
+def used(what, word, path, text):
+    """Whether a file of the core uses the name of a feature."""
+    if what == "class" and path.suffix == ".css":
+        what = "class of a style"
+    return word in text and re.search(USES[what].format(re.escape(word)), text, re.M)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_core_uses_no_name_that_a_feature_declares(name):
+    declared = [(what, word) for what, found in owned(name).items() for word in sorted(found)]
+    found = [(path.name, *each) for each in declared for path, text in core().items() if used(*each, path, text)]
+    assert not found
+
+
+@pytest.mark.parametrize("what", ["message", "id", "field", "key", "name in an address"])
+def test_no_two_features_own_the_same(what):
+    owners = {}
+    for name in NAMES:
+        for word in owned(name)[what]:
+            owners.setdefault(word, []).append(name)
+    assert not {word: names for word, names in owners.items() if len(names) > 1}

@@ -1,6 +1,6 @@
 """Research pages: plain Panel apps at `app?lab=NAME`, with a scene in the address, and in a notebook.
 
-    from app.features.accuracy.research import view; view(Scene(E=140))
+    from app.features.NAME.research import view; view(Scene(E=140))
 
 A page is a folder of app/features whose docstring says "Needs lab.", with
 

@@ -34,7 +34,7 @@ function describe(name, value, error, before) {
   entry.setAttribute("aria-invalid", Boolean(error))
   const fresh = error && by(`${name}-error`).textContent !== error
   say(`${name}-error`, error)
-  if (fresh) entry.closest(".row")?.scrollIntoView({ block: "nearest" })
+  if (fresh && entry.closest("dialog")) entry.parentElement.scrollIntoView({ block: "nearest" })
   if (!me.dragging && declared.positions[name]) place(name, value)
   if (name === "delta_bar") tellDepth(value, error)
 }

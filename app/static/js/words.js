@@ -9,7 +9,7 @@ export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() ||
 export const titleOf = (preset) => declared.titles[preset] ?? preset
 
 // Names of the parameters in which a scene, as an address has it, differs from its preset
-export const changedIn = (address) => Object.keys(address).filter((name) => !["preset", "profile"].includes(name))
+export const changedIn = (address) => Object.keys(address).filter((name) => name in me.status.values)
 
 const MAIN = ["delta_bar", "phi_ratio", "E"]
 
