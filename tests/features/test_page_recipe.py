@@ -22,6 +22,7 @@ def test_the_recipe_of_a_feature_makes_one_that_is_gone_with_its_folder(browser,
     own = Server(APP_FEATURES_PATH=str(tmp_path))
     tabs = Tabs(own, browser)
     try:
+        own.wait_for("Bokeh app running at")
         page = tabs.open("?nodes=512&width=1250&more=0")
         page.locator("#count").click()
         page.locator("#count", has_text="512 sites").wait_for()
