@@ -52,6 +52,7 @@ class Feature(interface.Feature):
 
     def ended(self, run: Any, skeleton: Skeleton | None) -> None:
         """Search the unknown marks of a run."""
+        self.cancel()  # a prediction at rest ends in an exact run without another request
         scene = run.scene
         keys = {name: _without(scene, name) for name in NAMES}
         self.values = {name: values for name, values in self.values.items() if values and keys[name] == self.keys[name]}

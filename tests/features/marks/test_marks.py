@@ -1,5 +1,6 @@
 """Marks beside the sliders, against exact results and against separate runs."""
 
+from copy import copy
 from types import SimpleNamespace
 
 import pytest
@@ -121,3 +122,10 @@ def test_marks_of_the_sliders_are_those_of_the_scene_also_after_a_run_that_was_s
     calls = [*session.features["marks"].waiting]
     assert session.status["state"] == "skipped" and calls
     assert all(scene.E == 80.0 for _, scene, _ in calls)
+
+
+def test_an_exact_run_that_ends_after_another_of_its_scene_awaits_its_own_marks_only(session, default):
+    made, again = session.features["marks"], copy(default)
+    for skeleton in (default, again):
+        made.ended(SimpleNamespace(scene=default.scene), skeleton)
+    assert {skeleton for _, skeleton, _ in made.waiting} == {again}
