@@ -113,7 +113,7 @@ def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_
 @thorough
 def test_close_button_and_back_close_a_page_and_change_no_parameter(visit):
     page = visit("?u_x_max=4&du_x=0.5")
-    opened = "document.querySelector('.page').dataset.page"
+    opened = "(document.querySelector('.page').dataset.page ?? '')"
     for leave in (page.go_back, lambda: page.locator("#law .close").click()):
         page.evaluate("document.querySelector('nav button[data-page=law]').click()")
         page.wait_for_function(
@@ -156,7 +156,7 @@ def test_a_preset_replaces_every_parameter_says_what_to_look_for_and_is_marked_w
 @thorough
 def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
     page, held = visit(""), []
-    page.route("**/pages/regimes/page.js*", lambda route: held.append(route))
+    page.route("**/features/regimes/page.js*", lambda route: held.append(route))
     opened = "Bokeh.documents[0].roots()[0].data.opened.open"
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
     page.wait_for_function(f"{opened} === 'regimes'")
