@@ -3,14 +3,11 @@
 import subprocess
 
 import pytest
+from copied import NAMES, copy_without
 from served import ROOT, TROUBLE, Server, enter, finished, values_are
 from tabs import Tabs
 
-from app import interface
-
-NAMES = sorted(interface.found())
 LAST = "Object.fromEntries(['F', 'L', 'A'].map((name) => [name, punch.run.curves[name].at(-1)]))"
-COPIED = "app", "solver", "tests", "pyproject.toml", "README.md"
 
 
 def turn():
@@ -42,20 +39,21 @@ def used(server, browser):
     Where the mouse leaves the slider depends on the layout, but the entry decides.
     """
     tabs = Tabs(server, browser)
-    page = tabs.open()
-    finished(page)
-    dragged(page, "E", 20)
-    page.wait_for_function("punch.run && !punch.run.followed && punch.status.values.E !== 70")
-    finished(page)
-    for playing in ("true", "false"):
-        page.locator("#play").click()
-        page.wait_for_function(f"punch.playing === {playing}")
-    enter(page, "E", "90")
-    values_are(page, E=90)
-    found = page.evaluate(LAST)
-    tabs.close()
-    tabs.check()
-    return found
+    try:
+        page = tabs.open()
+        finished(page)
+        dragged(page, "E", 20)
+        page.wait_for_function("punch.run && !punch.run.followed && punch.status.values.E !== 70")
+        finished(page)
+        for playing in ("true", "false"):
+            page.locator("#play").click()
+            page.wait_for_function(f"punch.playing === {playing}")
+        enter(page, "E", "90")
+        values_are(page, E=90)
+        return page.evaluate(LAST)
+    finally:
+        tabs.close()
+        tabs.check()
 
 
 def used_alone(browser, **how):
@@ -79,3 +77,10 @@ def expected(server, browser):
 @pytest.mark.parametrize("chosen", ["none", *(f"-{name}" for name in by_turns())])
 def test_without_a_feature_a_visitor_finds_the_same(browser, expected, chosen):
     assert used_alone(browser, APP_FEATURES=chosen) == expected
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", NAMES)
+def test_a_feature_that_is_deleted_is_not_missed(browser, expected, name):
+    with copy_without(name) as folder:
+        assert used_alone(browser, root=folder) == expected

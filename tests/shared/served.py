@@ -69,9 +69,12 @@ FAULTS = """() => {
 
 
 class Server:
-    """`panel serve app` on a free port, or a given one, with what it logs; environment: further variables."""
+    """`panel serve app` on a free port, or a given one, with what it logs; environment: further variables.
 
-    def __init__(self, prefix="", port=None, **environment):
+    root: a repository, or a copy of it.
+    """
+
+    def __init__(self, prefix="", port=None, root=ROOT, **environment):
         self.port = port
         if port is None:
             with socket.socket() as probe:
@@ -81,8 +84,8 @@ class Server:
         quick = ["--unused-session-lifetime", "1000", "--check-unused-sessions", "500"]  # ms, closed tabs
         self.process = subprocess.Popen(
             [*command, *quick, "--prefix", prefix],
-            cwd=ROOT,
-            env=os.environ | environment,
+            cwd=root,
+            env=os.environ | {"PYTHONPATH": str(root)} | environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
