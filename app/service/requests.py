@@ -18,12 +18,12 @@ class Requests:
         self.session, self._take_each = session, take
         self.waiting: dict[Call, Callable[[Any], None]] = {}  # the function that receives the result
         self._jobs: dict[Call, Job] = {}
-        self.count = 0
+        self._count = 0
 
     @property
     def part(self) -> float | None:
         """The fraction done, 0..1; None when no call is left."""
-        return 1.0 - len(self.waiting) / self.count if self.waiting else None
+        return 1.0 - len(self.waiting) / self._count if self.waiting else None
 
     def add(self, calls: Iterable[Call], **how: Any) -> None:
         """Request calls [(function, *arguments)] in the background. how: as for `Jobs.start`."""
@@ -37,7 +37,7 @@ class Requests:
         """
         if call in self.waiting:
             return
-        self.count = self.count + 1 if self.waiting else 1
+        self._count = self._count + 1 if self.waiting else 1
         self.waiting[call] = take
         job = self.session.jobs.start(call, self._on_news, owner=id(self.session), **{"rank": LATER} | how)
         if job.done:
