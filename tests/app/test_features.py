@@ -279,3 +279,22 @@ def test_no_two_features_own_the_same(what):
         for word in owned(name)[what]:
             owners.setdefault(word, []).append(name)
     assert not {word: names for word, names in owners.items() if len(names) > 1}
+
+
+SESSION = tuple(f"session/{name}.py" for name in ("pursuit", "run", "orders", "controls"))
+READ_FIRST = ("experiment.py", "stage.py", "interface.py", "static", "html", *SESSION)
+
+
+def lines(files):
+    return sum(text.count("\n") for text in files.values())
+
+
+def test_the_core_is_read_in_an_hour():
+    first = {path: text for path, text in core().items() if path.relative_to(APP).as_posix().startswith(READ_FIRST)}
+    print(f"core {lines(core())} lines, read first {lines(first)}, with all features {lines(texts(APP))}")
+    assert lines(core()) <= 6400 and lines(first) <= 4000
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_feature_has_at_most_500_lines(name):
+    assert lines(texts(FEATURES / name)) <= 500
