@@ -179,7 +179,8 @@ function describe() {
   by("laid-says").replaceChildren(...says, ".")
   by("laid-notes").textContent = [curve.notes, Object.values(curve.units).includes("N") ? TIP : ""].join(" ")
   by("laid-shift").parentNode.hidden = !curve.free
-  by("laid-fit").hidden = !["friction", "loop"].includes(curve.kind) || unit === "N"
+  const fits = document.querySelector("nav [data-lab=fit]") && ["friction", "loop"].includes(curve.kind)
+  by("laid-fit").hidden = !fits || unit === "N"
   by("laid-fit").href = `?${new URLSearchParams({ lab: "fit", theme: document.documentElement.dataset.theme,
     ...me.status.address, curve: laid.key })}`
 }
