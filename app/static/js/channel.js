@@ -40,7 +40,7 @@ function listen(kind) {
   })
 }
 
-const broken = {} // {kind: run, or frame of a film, of which a part did not arrive: the others are no whole}
+const broken = {} // {kind: its run, or frame of a film, that lost a part: later parts are dropped}
 function incomplete(kind, of, reason) {
   if (of !== undefined) {
     broken[kind] = of
