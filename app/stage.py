@@ -38,13 +38,13 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
 
     # what the browser shows
     run = param.Dict({}, doc="a part of a computed run: run, state, frames, body (bytes, service/packing.py)")
-    skeleton = param.Dict({}, doc="a predicted run: acknowledged, body (bytes, service/skeletons.py)")
+    skeleton = param.Dict({}, doc="a predicted run: acknowledged, or checked; body (bytes, service/skeletons.py)")
     status = param.Dict({}, doc="of values, notes, errors and progress, what has changed")
 
     # what a visitor asks for
     hello = param.Dict({}, doc="the page is ready for the first run")
     scene = param.Dict({}, doc="parameters by hand: values {name: text}, held")
-    release = param.Dict({}, doc="the hand has let go: exact (at once)")
+    release = param.Dict({}, doc="the hand has let go: exact (frames of the exact run, at once)")
     skip = param.Dict({}, doc="end the run and keep its frames")
     restore = param.Dict({}, doc="the scene of an address: values {name: text}")
 

@@ -100,6 +100,11 @@ class Jobs:
                 self._submit(job)
             return job
 
+    def keeps(self, *call: Any) -> bool:
+        """Whether the result of a call is cached."""
+        with self._lock:
+            return call in self.results
+
     def leave(self, job: Job, notify: Notify) -> None:
         """Stop listening to a job. Without listeners it is cancelled."""
         with self._lock:

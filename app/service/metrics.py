@@ -15,6 +15,8 @@ COUNTERS = {  # counters since the start
     "run_cache_hits": "runs found in the cache",
     "run_cache_misses": "runs that were not in the cache",
     "followed": "pictures of predicted runs during drags of sliders",
+    "certified": "predicted runs that were checked and are exact",
+    "not_certified": "predicted runs that were checked and are not, or not surely",
     "tasks": "tasks that workers finished",
     "tasks_lost": "tasks that took too long or lost their worker",
     "worker_restarts": "workers replaced",

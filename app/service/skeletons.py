@@ -1,31 +1,40 @@
-"""Predicted runs while a visitor drags a slider, and how they go to a browser (static/js/skeleton.js).
+"""Predicted runs while a visitor drags a slider, their certificates, and how both go to a browser (js/skeleton.js).
 
 A worker continues the run on screen to the new parameters; the browser computes every increment from its Skeleton.
+Once the slider rests the worker checks that it is the run of its scene; then the browser has the approach, too.
 
-The deflated bytes are: uint32 length of the head, the head in JSON, and, of all branches in order, float64 loads (n,)
-in nm and their states (n, size). A state has u_x and the gap of each node, and U_z under a held load. Of the first
-state come int32 steps from node to node, of the others int16 steps of the change since the state before.
+The deflated bytes are: uint32 length of the head, the head in JSON, the shear, and the approach if it is known. Of
+either: of all branches in order, float64 loads (n,) in nm and their states (n, size). A state has u_x and the gap of
+each node, and in shear U_z under a held load. Fields are smooth, so that of the first state come int32 steps of the
+steps from node to node, and of the others, as int16, the same of the change since the state before.
 """
 
 import re
 import zlib
+from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from app.limits import FLAT
-from app.service.packing import headed, of_scene
-from solver import NotFollowed, Scene, follow
+from app.limits import FLAT, increments_of
+from app.service.packing import Frames, headed, of_scene
+from solver import Certificate, NotFollowed, Scene, certify, follow
 from solver.continuation.trace import Branch
 from solver.following.skeleton import Skeleton
 from solver.mechanics.cohesive_law import law_constants
-from solver.run.frame import least_repulsion
+from solver.run.frame import forces_and_area, largest_overlap, largest_safe_damping, least_repulsion
+from solver.run.load_steps import load_steps_of
+from solver.run.summary import widest
 
 UNIT, UNIT_OF_FLATS = 8e-5, 1e-6  # nm: interpolated u_x then errs by less than 1e-3; all nodes of a flat err alike
+LOWERED = 5.0  # times as coarse is the approach, whose curves only are drawn
 LEVEL = 4  # of zlib: 6 takes 1 to 3 % fewer bytes, and three times as long, which was a tenth of a prediction
 LARGEST = 2**15 - 1  # of an int16
 GAIN = 4.0  # by which interpolation may amplify the error of rounding
+MOST = 20_000  # force evaluations of a certificate, about a second: runs that flutter are computed in parts
+KNOWN = 8  # certificates that a worker keeps, of 0.2 MB each
 COARSEST = 1e-3  # nm: rounded more coarsely, states would give wrong forces; it is enough for moves of 33 nm
 
 
@@ -47,32 +56,110 @@ def followed(skeleton: Skeleton, scene: Scene) -> Followed | str:
         return re.sub(r"\d[\d.e+-]*", "n", str(why))  # metrics count reasons without their numbers
 
 
-def packed(skeleton: Skeleton) -> bytes:
-    """Return a Skeleton as bytes. Raises NotFollowed if a state is not finite, or too far from the one before."""
+@dataclass(frozen=True)
+class Certified:
+    """A certified run: its `body` for the browser, its exact Skeleton, and what its status and cautions say of it.
+
+    checked: numbers of states, folds and landings. about: of the Frames of the run, without their bytes. Where the
+    certificate does not hold, failure says what was found, and there is nothing else but about.evaluations.
+    """
+
+    about: Frames
+    body: bytes = b""
+    skeleton: Skeleton | None = None
+    checked: tuple[int, int, int] = (0, 0, 0)
+    failure: str = ""
+
+
+_known: OrderedDict[Scene, Certificate] = OrderedDict()  # of this worker, by scenes of depth 0
+
+
+def certified(scene: Scene, skeleton: Skeleton) -> Certified:
+    """Check that the Skeleton of a scene is its run.
+
+    Where this worker has certified a scene of another depth, that of its approach is not checked again.
+    """
+    key = scene.changed(delta_bar=0.0)
+    made = certify(skeleton, limit=MOST, known=_known.get(key))
+    if not made.holds:
+        return Certified(Frames(evaluations=made.evaluations), failure="; ".join(map(repr, made.found)))
+    _known[key] = made
+    _known.move_to_end(key)
+    while len(_known) > KNOWN:
+        _known.popitem(last=False)
+    exact = made.skeleton
+    try:
+        body = packed(exact, made.approach)
+    except NotFollowed as why:
+        return Certified(Frames(evaluations=made.evaluations), failure=str(why))
+    return Certified(_about(made), body, exact, (made.states, made.folds, made.landings))
+
+
+def _about(made):
+    """Return the Frames without bytes of a Certificate: of its states, and of the increments before its slips."""
+    exact, step = made.skeleton, made.skeleton.scene.du_x * made.skeleton.scene.delta_t
+    ends = [*exact.slips, *(branch.slip for branch in made.approach if branch.slip)]
+    before = [branch.end // step * step for branch in exact.branches if branch.slip]
+    loads = [state.load for branch in exact.branches for state in branch.states[: -1 if branch.slip else None]]
+    frames = exact.frames([*loads, *(load for load in before if load > 0.0)], residuals=False)
+    return Frames(
+        frames=increments_of(exact.scene),
+        evaluations=made.evaluations,
+        residual=exact.residual,
+        widest=widest(frames),
+        overlap=largest_overlap(frames),
+        safe_damping=largest_safe_damping(frames),
+        sensitive=any(end.sensitive for end in ends),
+    )
+
+
+def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
+    """Return a Skeleton as bytes, with the approach if it is known.
+
+    Raises NotFollowed if a state is not finite, or too far from the one before.
+    """
     scene, m = skeleton.scene, skeleton.nodes
-    branches = [_refined(branch) for branch in skeleton.branches]
-    v = np.concatenate([branch.v for branch in branches])
-    if not np.isfinite(v).all():
-        raise NotFollowed("a predicted state is not finite")
-    v[:, m : 2 * m] += scene.profile[skeleton.first : skeleton.first + m]
     first, sent = _part(scene, skeleton.first, m)
-    v = np.delete(v, np.r_[sent:m, m + sent : 2 * m], axis=1)
-    unit, row, rows = _steps(v, *((UNIT_OF_FLATS, np.rint) if scene.surface == "flat" else (UNIT, _in_sum)))
+    shear, body = _traced(skeleton, skeleton.branches, 1.0)
     head = of_scene(scene) | {
         "nodes": sent,
         "first": first,
-        "unit": unit,
         "law": law_constants(scene).tolist(),  # see there
         "least": least_repulsion(scene),
         "each": m / sent,  # nodes that one of them stands for
         "closed": m == scene.nodes,  # the last node is next to the first
         "held": skeleton.held is not None,
         "period": skeleton.period,
-        "branches": [_branch(branch) for branch in branches],
-        "slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips],
+        "shear": shear | {"slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips]},
     }
+    if approach:
+        lowered, more = _traced(skeleton, approach, LOWERED)
+        ends = [(branch.end, *_at_end(skeleton, branch)) for branch in approach if branch.slip]
+        head["lowered"] = lowered | {"slips": ends, "increments": load_steps_of(scene)[0].increments}
+        body += more
+    return zlib.compress(headed(head, body), LEVEL)
+
+
+def _at_end(skeleton, branch):
+    """Return F_bar, L_bar and A_bar of the last state of a Branch."""
+    return forces_and_area(skeleton.scene, skeleton.tractions(branch.states[-1].v[None])[0])
+
+
+def _traced(skeleton, branches, coarser):
+    """Return what the head has of branches, and their bytes."""
+    scene, m = skeleton.scene, skeleton.nodes
+    branches = [_refined(branch) for branch in branches]
+    v = np.concatenate([branch.v for branch in branches])
+    if not np.isfinite(v).all():
+        raise NotFollowed("a predicted state is not finite")
+    v[:, m : 2 * m] += scene.profile[skeleton.first : skeleton.first + m]
+    _, sent = _part(scene, skeleton.first, m)
+    v = np.delete(v, np.r_[sent:m, m + sent : 2 * m], axis=1)
+    unit, rounded = (UNIT_OF_FLATS, np.rint) if scene.surface == "flat" else (UNIT, _in_sum)
+    unit, row, rows = _steps(v, coarser * unit, rounded)
     loads = np.concatenate([branch.loads for branch in branches])
-    return zlib.compress(headed(head, loads.tobytes() + row.tobytes() + rows.tobytes()), LEVEL)
+    head = {"unit": unit, "branches": [_branch(branch) for branch in branches]}
+    return head, loads.tobytes() + row.tobytes() + rows.tobytes()
 
 
 def _refined(branch):
@@ -103,9 +190,10 @@ def _in_sum(v):
 
 
 def _steps(v, unit, rounded):
-    """Return (unit, int32 steps of the first of the states v (n, size), int16 steps of the others)."""
+    """Return (unit, int32 steps of the steps of the first of the states v (n, size), int16 ones of the others)."""
     while True:
-        steps = np.diff(np.diff(rounded(v / unit), axis=0, prepend=0.0), axis=1, prepend=0.0)
+        changes = np.diff(rounded(v / unit), axis=0, prepend=0.0)
+        steps = np.diff(changes, n=2, axis=1, prepend=np.zeros((len(v), 2)))
         if (largest := np.abs(steps[1:]).max(initial=0.0)) <= LARGEST:
             return unit, steps[0].astype("<i4"), steps[1:].astype("<i2")
         unit *= np.ceil(largest / LARGEST)

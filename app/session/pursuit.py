@@ -1,8 +1,8 @@
 """The computation for a visitor, one coroutine: it follows a held slider, or computes the exact run. The newest wins.
 
-docs/slider_step.md follows a drag from the slider to the screen. The exact run replaces the predicted one RESTS after
-the visitor has released the slider. If following is impossible, it starts at once. `tests/bench/follow.py` measures how
-far both are apart.
+docs/slider_step.md follows a drag from the slider to the screen. RESTS after the visitor has released the slider, a
+worker checks that the predicted run is the exact one. Where it is not, where somebody wants the frames of the solver,
+or where following is impossible, the exact run is computed. `tests/bench/certify.py` measures both.
 """
 
 import logging
@@ -17,9 +17,8 @@ from app.document import on_loop
 from app.limits import increments_of
 from app.service import metrics, worker
 from app.service.jobs import Job
-from app.service.packing import Frames
 from app.service.pool import EXACT, SCREEN
-from app.service.skeletons import Followed, followed
+from app.service.skeletons import Certified, Followed, certified, followed
 from app.session import orders
 from app.session.orders import order
 from app.session.run import ERROR, Request, Run
@@ -31,7 +30,7 @@ log = logging.getLogger("app")
 FIRST = 0.025  # s of work in the first part: the approach and the first shear, so that the page shows it soon
 SOON = 2.0  # s: a run that ends within this time is finished during a drag, as following continues from it
 PATIENCE = 0.5  # s that a newer request waits for a part: its budget plus the longest increment of most runs
-RESTS = 1.0  # s without a change before the exact run of a prediction starts: a class changes sliders more often
+RESTS = 1.0  # s without a change before a prediction is checked: a class changes sliders more often
 WAITS = 1.0  # s in the queue before a visitor sees the position
 
 
@@ -88,7 +87,8 @@ class Pursuit:
         self.requested: Request | None = None  # the newest, until the coroutine takes it
         self.overdue = False  # whether it has waited for PATIENCE
         self.held = False  # whether a slider is held
-        self.rested = False  # whether the prediction on screen is to be replaced by its exact run now
+        self.rested = False  # whether the prediction on screen is to be checked now, or the exact run to replace it
+        self.framed = False  # whether that must be the exact run, as somebody wants its frames
         self.skeleton: Skeleton | None = None  # start of predictions
         self.shown: Scene | None = None  # of the prediction on screen, if there is one
         self.cautions: list[str] = []  # warnings about the last finished run
@@ -122,7 +122,8 @@ class Pursuit:
 
     def request(self, request: Request) -> None:
         """Show the run of a Request, at once or after the job in progress."""
-        self.requested, self.held, self.overdue, self.rested = request, request.held, False, False
+        self.requested, self.held = request, request.held
+        self.overdue = self.rested = self.framed = False
         self.session.tell("requested", request.scene)
         self.wake.step()
         if self.requested is request and self.state == "exact":
@@ -136,17 +137,20 @@ class Pursuit:
 
     @order("release", exact=orders.is_flag)
     def release(self, exact: bool = False) -> None:
-        """Compute the exact run of the prediction on screen RESTS from now, or at once: the slider was released."""
+        """Check the prediction on screen RESTS from now; exact: compute the frames of its exact run at once.
+
+        Where slips go over several sites, predictions are wrong more often: they are checked at once.
+        """
         self.held, at = False, self.session.scene
-        if exact:
-            self._rest(at)
+        if exact or at.surface != "circular":
+            self._rest(at, exact)
         else:
             self.session.doc.add_timeout_callback(on_loop(self._rest, at), round(1000 * RESTS))
 
-    def _rest(self, scene: Scene) -> None:
-        """Compute the exact run now, unless the visitor has left or changed the scene since."""
+    def _rest(self, scene: Scene, framed: bool = False) -> None:
+        """Check the prediction now, or compute its run, unless the visitor has left or changed the scene since."""
         if not self.session.closed and not self.held and scene is self.session.scene:
-            self.rested = True
+            self.rested, self.framed = True, framed or self.framed
             self.wake.step()
 
     @order("skip")
@@ -170,14 +174,20 @@ class Pursuit:
                 self.fail_unexpectedly()
 
     async def _newest(self) -> Request:
-        """Return the newest request; for a prediction on screen that has rested, its exact run."""
+        """Return the newest request; for a prediction on screen that has rested, that of its exact run."""
         while True:
-            if self.requested is not None:
-                request, self.requested = self.requested, None
+            request, self.requested = self.requested, None
+            if request is None and self.rested:
+                request, self.rested = self._refined(), False
+            if request is not None:
                 return request
-            if self.shown is not None and self.rested:
-                return Request(self.shown, refines=True)
             await news()
+
+    def _refined(self) -> Request | None:
+        """Return the request for the exact run of a prediction on screen, or for the frames of one that is checked."""
+        if self.shown is not None:
+            return Request(self.shown, refines=True)
+        return Request(self.run.scene, refines=True) if self.framed and self.run and self.run.checked else None
 
     def _start(self, *call: Any, **how: Any) -> Job:
         self.since = time.monotonic()
@@ -225,6 +235,8 @@ class Pursuit:
     async def _compute(self, request: Request) -> None:
         """Show the run of a request, part by part, until it ends or a newer request replaces it."""
         run = self._begin(request)
+        if run.refines and self.shown is not None and await self._certify(run):
+            return
         try:
             rank, begin = (EXACT, ()) if run.refines else (SCREEN, (None, FIRST))
             seconds = worker.APPROACH * worker.BUDGET
@@ -241,6 +253,29 @@ class Pursuit:
         if run.ended:
             self._end(run, job.result)
             self.session.publish()
+
+    async def _certify(self, run: Run) -> bool:
+        """Check the prediction on screen; return False if its run must be computed."""
+        if self.framed or self.session.jobs.keeps(worker.compute, run.scene):
+            return False
+        try:
+            job = self._start(certified, run.scene, rank=EXACT, begin=(self.skeleton,))
+            while not (job.done or self.framed or self._is_replaced(run, job, False)):
+                self.session.publish()
+                await news()
+        finally:
+            self._leave()
+        if not job.done:
+            return not self.framed
+        made = job.result
+        holds = isinstance(made, Certified) and not made.failure
+        metrics.count("certified" if holds else "not_certified")
+        if holds:
+            run.certify(made.about, made.checked, time.monotonic())
+            self.session.send("skeleton", checked=made.checked, body=made.body)
+            self._end(run, made)
+            self.session.publish()
+        return holds
 
     def _begin(self, request: Request) -> Run:
         """Return a new Run; whether it can be followed is not known before its end."""
@@ -284,7 +319,7 @@ class Pursuit:
     def _end(self, run: Run, result: Any) -> None:
         """After a run: follow from it, and tell the features."""
         whole = run.packed
-        skeleton = result.skeleton if run.state == "finished" and isinstance(result, Frames) else None
+        skeleton = result.skeleton if run.state == "finished" else None
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
         self.session.tell("ended", run, skeleton)
         self.skeleton, self.shown = skeleton, None

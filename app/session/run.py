@@ -37,6 +37,7 @@ class Run:
     known: bool = False  # whether it was in the cache
     parts: int = 0  # of its job that were sent
     lost: int = 0  # parts of its job that were repeated
+    checked: tuple = ()  # of a prediction that is exact: how many states, folds and landings were checked
     packed: Frames = field(default_factory=Frames)  # without blocks
     seconds: float = 0.0
     why: str = ""
@@ -62,6 +63,11 @@ class Run:
         self.seconds = 0.0 if self.known else now - self.started
         if self.state == "warming":
             self.state, self.started = "running", now
+
+    def certify(self, about: Frames, checked: tuple[int, int, int], now: float) -> None:
+        """Finish without frames, as the prediction on screen is exact; now: s, monotonic."""
+        self.add(about, now)
+        self.state, self.checked = "finished", checked
 
     def end(self, result: Any) -> None:
         """Finish, or fail: result is that of its job."""

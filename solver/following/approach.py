@@ -11,7 +11,7 @@ from ..continuation.landing import motion_to_rest
 from ..continuation.onset import mixed
 from ..continuation.rest import Judge
 from ..continuation.state import PAST, End, NotConverged, Point, State
-from ..continuation.trace import lagrange
+from ..continuation.trace import Branch, lagrange
 from ..mechanics.equilibrium import Equilibrium
 
 # A "unit" is the problem's `unit`.
@@ -83,7 +83,16 @@ def undeformed(problem: Equilibrium, load: float) -> State:
     return State.at_rest(load, solution.v, residual=solution.residual)
 
 
-def latest(points: Sequence[Point], load: float, size: int) -> State | None:
-    """The State at the last of Points (load ascending) up to `load`, nm, with those before it; None without one."""
-    past: list[Any] = [point for point in points if point.load <= load and point.v.size == size][: -PAST - 1 : -1]
-    return State(past[0].load, past[0].v, past) if past else None
+def begun(branches: Sequence[Branch], load: float, size: int) -> list[Branch]:
+    """The Branches of an approach up to `load`, nm; none where a state has another size."""
+    passed = [branch for branch in branches if branch.start <= load]
+    if not passed or passed[0].states[0].v.size != size:
+        return []
+    *before, last = passed
+    return [*before, Branch(tuple(point for point in last.states if point.load <= load))]
+
+
+def latest(branch: Branch) -> State:
+    """The last State of a Branch, with those before it."""
+    past: list[Any] = list(branch.states[: -PAST - 1 : -1])
+    return State(past[0].load, past[0].v, past)

@@ -26,7 +26,9 @@ from ..run.loadpath import far_of
 from ..scene import PARAMETERS
 from ..text import counted
 from ..threads import computation
-from .approach import latest, rested, undeformed, walk
+from .approach import begun, latest, rested, undeformed, walk
+from .moved import NotFollowed, Solver
+from .refinement import refined
 from .skeleton import Held, Skeleton
 
 # force evaluations, seven times those of the default: one landing at a saddle took ten exact runs. In the overdamped
@@ -38,6 +40,7 @@ NEAR = 0.03  # units: a followed state from the one solved from it. Right ones l
 # mostly beyond; a state that is not is handed on as solved, and is right
 ALIKE = 0.05  # units: two landings that are one; at another site a node is a unit off
 BEYOND = 1e-5  # nm: where a slip lands, the load of a followed end has that error
+BETWEEN = 1e-3  # of the largest force of the approach: error of forces between its states
 NOT_OF_THE_APPROACH = {"delta_bar", "u_x_max", "du_x", "du_z", "hold"}
 
 
@@ -65,7 +68,8 @@ class Certificate:
 
     skeleton: with the states, folds and landings that were computed, so that it is exact, and with `sensitive` slips;
     the one given, where something was found. states, folds, landings: how many were checked, at the cost of so many
-    force `evaluations`. approach: Points since its last jump, by which a scene of another depth is certified for less.
+    force `evaluations`. approach: its Branches over delta (nm), from which its frames are interpolated, and by which a
+    scene of another depth is certified for less.
 
     Example: `certify(follow(skeleton_of(Scene()), Scene(E=72.0))).holds`
     """
@@ -76,7 +80,7 @@ class Certificate:
     folds: int
     landings: int
     evaluations: int
-    approach: tuple[Point, ...] = field(default=(), repr=False)
+    approach: tuple[Branch, ...] = field(default=(), repr=False)
 
     @property
     def holds(self) -> bool:
@@ -120,8 +124,8 @@ def certify(skeleton: Skeleton, limit: int | None = None, known: Certificate | N
     evaluations, (states, folds, landings) = check.contact.evaluations, check.counts
     if exact is not None:
         skeleton = replace(exact, evaluations=skeleton.evaluations + evaluations)
-    found, points = tuple(check.found), tuple(check.points)
-    return Certificate(skeleton, found, states, folds, landings, evaluations, points)
+    found, walked = tuple(check.found), tuple(check.walked)
+    return Certificate(skeleton, found, states, folds, landings, evaluations, walked)
 
 
 def _serves(known, scene):
@@ -135,14 +139,14 @@ def _serves(known, scene):
 class _Check:
     """Checks one Skeleton.
 
-    Attributes: found; counts, [states, folds, landings]; points of the approach; stage and load (nm), where it is.
+    Attributes: found; counts, [states, folds, landings]; walked: Branches of the approach; stage and load, nm: place.
     """
 
     def __init__(self, skeleton, limit):
         scene = skeleton.scene
         self.skeleton, self.scene, self.contact = skeleton, scene, Contact(scene, skeleton.first, skeleton.nodes)
         self.judge, self.closed = Judge(scene.damping, far_of(scene)), closed_stiffness(scene)
-        self.found, self.counts, self.points = list[Finding](), [0, 0, 0], list[Point]()
+        self.found, self.counts, self.walked = list[Finding](), [0, 0, 0], list[Branch]()
         self.jumps, self.residual = list[End](), 0.0
         self.stage, self.load = "approach", -scene.delta_0
 
@@ -166,9 +170,9 @@ class _Check:
     def approach(self, known) -> np.ndarray:
         """The unknowns (2 m,) at its end, from a `known` Certificate's states on, if there are any."""
         skeleton, scene, problem = self.skeleton, self.scene, Equilibrium(self.contact, vertical(1.0))
-        stored = known.approach if known else ()
-        state = latest(stored, scene.delta, problem.size) or undeformed(problem, -scene.delta_0)
-        self.points = [point for point in stored if point.load < state.load] + [Point(state.load, state.v)]
+        stored = begun(known.approach, scene.delta, problem.size) if known else []
+        state = latest(stored[-1]) if stored else undeformed(problem, -scene.delta_0)
+        self.walked = stored or [Branch((Point(*state[:2]),))]
         expected = [jump for jump in skeleton.trace.jumps if jump.load > state.load]
         self.jumps = [jump for jump in skeleton.trace.jumps if jump.load <= state.load]
         for reached in walk(problem, self.judge, self.closed, state, scene.delta):
@@ -176,7 +180,7 @@ class _Check:
             if isinstance(reached, End) and not self._jumped(reached, expected):
                 return state.v
             state = rested(reached)
-            self.points.append(Point(*state[:2]))
+            self._walked(state, reached)
             self.counts[0] += 1
         if expected:
             self.note("jump", "approach", expected[0].load, why="there is none")
@@ -184,11 +188,27 @@ class _Check:
         off = np.abs(state.v - wanted[: problem.size]).max()
         if off > SAME * problem.unit:
             self.note("end", "approach", scene.delta, off)
+        self.walked = [self._fine(problem, branch, k) for k, branch in enumerate(self.walked, 1)]
         return state.v
+
+    def _fine(self, problem, branch, number):
+        """A Branch of the approach with as many states as frames between them need, or as it is."""
+        try:
+            solver = Solver(problem, self.scene.damping)
+            return refined(self.scene, self.skeleton.first, solver, branch, number, BETWEEN)
+        except NotFollowed:
+            return branch
+
+    def _walked(self, state, reached):
+        """Add the State after what a walk has `reached`."""
+        if isinstance(reached, End):
+            self.walked[-1] = self.walked[-1].ended(reached)
+            self.walked.append(Branch((Point(*state[:2]),)))
+        else:
+            self.walked[-1] = self.walked[-1].added(Point(*state[:2]))
 
     def _jumped(self, end, expected):
         """Whether a jump is the next one `expected`; of a Skeleton whose jumps are lost, any is."""
-        self.points = []
         self.counts[1] += 1
         self.counts[2] += 1
         self.jumps.append(end._replace(after=None))

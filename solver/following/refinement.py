@@ -17,35 +17,38 @@ ORDER, LIMIT = 3, 6
 FINEST = 300  # intervals: smooth sliding close to stick-slip takes 150, where it jerks
 
 
-def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int) -> Branch:
-    """The Branch with as many states as its forces need: more are solved for, or some left out."""
+def refined(scene: Scene, first: int, solver: Solver, branch: Branch, number: int, error: float = ERROR) -> Branch:
+    """The Branch with as many states as its forces need: more are solved for, or some left out.
+
+    error: of the forces between states, over the largest.
+    """
     while branch.slip is not None and len(branch.states) < FEWEST_STATES:  # others that are short are nearly straight
         branch = divided(solver, branch, np.arange(len(branch.states) - 1), number)
     while len(branch.states) <= FINEST:
-        poor = np.unique(np.concatenate([_poor(scene, first, branch, begin) for begin in (1, 2)]))
+        poor = np.unique(np.concatenate([_poor(scene, first, branch, begin, error) for begin in (1, 2)]))
         if not poor.size:
             break
         branch = divided(solver, branch, poor, number)
-    return thinned(scene, first, branch)
+    return thinned(scene, first, branch, error)
 
 
-def thinned(scene: Scene, first: int, branch: Branch) -> Branch:
+def thinned(scene: Scene, first: int, branch: Branch, error: float = ERROR) -> Branch:
     """The Branch without states whose neighbours describe the forces well enough."""
     while len(branch.states) > 2 * FEWEST_STATES:
         out, errors = _errors(scene, first, branch, 1)
-        out = out[errors < 2.0 ** (ORDER - LIMIT) * ERROR]  # with a larger error, the others would be divided again
+        out = out[errors < 2.0 ** (ORDER - LIMIT) * error]  # with a larger error, the others would be divided again
         if not out.size:
             break
         branch = branch.without(out)
     return branch
 
 
-def _poor(scene, first, branch, begin):
-    """Indices of intervals whose interpolated forces have an error above ERROR, estimated over pairs of intervals."""
+def _poor(scene, first, branch, begin, error):
+    """Indices of intervals whose interpolated forces have a larger error, estimated over pairs of intervals."""
     out, errors = _errors(scene, first, branch, begin)
     length = np.diff(_position(branch))
     both = length[out - 1] + length[out]
-    return np.concatenate([k[errors * (length[k] / both) ** ORDER > ERROR] for k in (out - 1, out)])
+    return np.concatenate([k[errors * (length[k] / both) ** ORDER > error] for k in (out - 1, out)])
 
 
 def _position(branch):

@@ -40,7 +40,7 @@ def test_a_prediction_is_small_and_has_the_slips_of_the_exact_run(runs):
     exact, _ = sheared(runs[NEXT])
     slips = exact["slip"] > 0
     assert head["scene"]["delta_bar"] == 0.02 and slips.sum() == 3
-    loads, *_, areas = np.transpose(head["slips"])
+    loads, *_, areas = np.transpose(head["shear"]["slips"])
     np.testing.assert_allclose(loads, exact["slip_at"][slips], atol=1e-4)
     np.testing.assert_allclose(areas, exact["slip_A"][slips], atol=1e-3 * exact["slip_A"].max())
 
@@ -58,13 +58,13 @@ def test_states_farther_apart_than_two_bytes_hold_are_rounded_more_coarsely(runs
     states = [state._replace(v=state.v + 10.0 * (k == 1)) for k, state in enumerate(first.states)]
     branches = replace(first, states=tuple(states)), *others
     moved = replace(skeleton, trace=replace(skeleton.trace, branches=branches))
-    assert head_of(skeletons.packed(skeleton))["unit"] == skeletons.UNIT
+    assert head_of(skeletons.packed(skeleton))["shear"]["unit"] == skeletons.UNIT
     far = tuple(state._replace(v=state.v + 100.0 * (k == 1)) for k, state in enumerate(first.states))
     with pytest.raises(NotFollowed, match="too far"):
         skeletons.packed(
             replace(skeleton, trace=replace(skeleton.trace, branches=(replace(first, states=far), *others)))
         )
-    assert head_of(skeletons.packed(moved))["unit"] == 4 * skeletons.UNIT
+    assert head_of(skeletons.packed(moved))["shear"]["unit"] == 4 * skeletons.UNIT
 
 
 def test_skeleton_of_a_sliced_run_equals_that_of_a_whole_run(runs):
@@ -169,19 +169,97 @@ def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     assert page.messages == []
 
 
-def test_exact_run_starts_a_second_after_the_release_behind_predictions_of_others(page, runs):
+@pytest.fixture
+def rested(page, runs):
+    """The same visitor: a prediction of NEXT is on screen, and its slider has been released for a second."""
     move(page, 0.02)
     page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
-    sent = len(page.chunks)
     page.order("release")
-    assert not page.pool.waiting(worker.compute)
+    assert not page.pool.waiting(skeletons.certified)
     page.run_next()  # the second is over
-    (task,) = page.pool.waiting(worker.compute)
-    assert task.call[1] == NEXT and task.rank == EXACT
-    assert page.status()["state"] == "refining"
-    page.pool.answer(page, worker.compute, whole_run(NEXT))
-    assert page.status()["state"] == "finished" and len(page.chunks) > sent
-    assert page.status()["notes"] == []
+    return page
+
+
+def test_a_prediction_is_checked_a_second_after_the_release_behind_predictions_of_others(rested):
+    (task,) = rested.pool.waiting(skeletons.certified)
+    assert task.call[1] == task.call[2].scene == NEXT and task.rank == EXACT
+    assert rested.status()["state"] == "refining"
+    made = skeletons.certified(*task.call[1:])
+    sent = len(rested.chunks)
+    rested.pool.answer(rested, skeletons.certified, made)
+    assert rested.messages[-1] == {"kind": "skeleton", "checked": made.checked, "body": made.body}
+    exact = whole_run(NEXT)
+    status = rested.status()
+    assert (status["state"], status["frames"], status["notes"]) == ("finished", exact.frames, [])
+    assert status["residual"] <= NEXT.tolerance and status["evaluations"] == made.about.evaluations
+    assert len(rested.chunks) == sent and not rested.pool.waiting(worker.compute)
+    move(rested, 0.03)
+    assert rested.pool.waiting(skeletons.followed)[0].call[1] is made.skeleton
+
+
+def test_a_prediction_that_is_not_the_run_of_its_scene_is_computed(rested):
+    (task,) = rested.pool.waiting(skeletons.certified)
+    made = skeletons.certified(NEXT.changed(E=80.0), task.call[2])  # the states are those of another E
+    assert made.failure == "" or made.body == b""
+    wrong = replace(task.call[2], scene=NEXT.changed(E=80.0))
+    made = skeletons.certified(wrong.scene, wrong)
+    assert made.failure and not made.body
+    rested.pool.answer(rested, skeletons.certified, made)
+    assert rested.pool.waiting(worker.compute)[0].call[1] == NEXT
+    rested.pool.answer(rested, worker.compute, whole_run(NEXT))
+    assert rested.status()["state"] == "finished" and rested.chunks
+
+
+def test_frames_of_a_checked_prediction_come_when_somebody_wants_them(rested):
+    (task,) = rested.pool.waiting(skeletons.certified)
+    rested.pool.answer(rested, skeletons.certified, skeletons.certified(*task.call[1:]))
+    rested.order("release")
+    rested.run_all()
+    assert not rested.pool.waiting(worker.compute)
+    rested.order("release", exact=True)
+    (task,) = rested.pool.waiting(worker.compute)
+    assert task.call[1] == NEXT and rested.status()["state"] == "refining"
+    rested.pool.answer(rested, worker.compute, whole_run(NEXT))
+    rested.order("release", exact=True)  # they are there
+    assert rested.status()["state"] == "finished" and not rested.pool.waiting(worker.compute)
+
+
+def test_a_check_is_given_up_for_frames_that_somebody_wants(rested):
+    (task,) = rested.pool.waiting(skeletons.certified)
+    rested.order("release", exact=True)
+    assert task.cancelled() and rested.pool.waiting(worker.compute)[0].call[1] == NEXT
+
+
+def test_a_run_that_is_known_is_shown_in_place_of_a_check(page, runs):
+    call = worker.compute, NEXT
+    page.session.jobs.results.put(call, (call, runs[NEXT]))
+    move(page, 0.02)
+    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
+    page.order("release")
+    page.run_next()
+    assert page.status()["state"] == "finished" and page.status()["known"]
+
+
+def test_predictions_of_a_wave_are_checked_as_soon_as_the_slider_is_released(page, runs):
+    page.session.scene = page.session.scene.changed(surface="wave")
+    page.session.pursuit.shown, page.session.pursuit.skeleton = page.session.scene, b"skeleton"
+    page.order("release")
+    assert page.pool.waiting(skeletons.certified)
+
+
+def test_the_approach_of_a_scene_serves_other_depths(runs):
+    """In the worker that has certified it; the cautions of a certificate are those of the run."""
+    skeletons._known.clear()
+    first = skeletons.certified(NEXT, follow(runs[SCENE].skeleton, NEXT))
+    deeper = NEXT.changed(delta_bar=0.05)
+    again = skeletons.certified(deeper, follow(first.skeleton, deeper))
+    skeletons._known.clear()
+    alone = skeletons.certified(deeper, follow(first.skeleton, deeper))
+    assert again.about.evaluations < 0.7 * alone.about.evaluations
+    exact = whole_run(deeper)
+    assert again.about.widest == pytest.approx(exact.widest, abs=0.03)
+    assert again.about.safe_damping == pytest.approx(exact.safe_damping, abs=0.05)
+    assert again.about.sensitive == exact.sensitive
 
 
 def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(page, runs):
@@ -190,7 +268,7 @@ def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(p
     page.order("release")
     move(page, 0.03)
     page.run_all()
-    assert not page.pool.waiting(worker.compute)
+    assert not page.pool.waiting(worker.compute) and not page.pool.waiting(skeletons.certified)
 
 
 def test_exact_run_starts_at_once_for_those_who_need_it(page, runs):

@@ -4,10 +4,10 @@ import { charts } from "../../static/js/charts.js"
 import { order, take } from "../../static/js/channel.js"
 import { by } from "../../static/js/dom.js"
 import { inks, line, size, write } from "../../static/js/pen.js"
-import { goto } from "../../static/js/player.js"
+import { framed, goto } from "../../static/js/player.js"
 import { unpackLater } from "../../static/js/packed.js"
 import { Run, SPANS } from "../../static/js/run.js"
-import { exact, frame, me, now, redraw, view } from "../../static/js/store.js"
+import { frame, me, now, redraw, view } from "../../static/js/store.js"
 
 const SECONDS = 5 // of a film
 const DOT = 5 // px, of F now in the curve
@@ -17,14 +17,13 @@ const SAID = 5000 // ms, for which a sentence stays
 // {run, k: the frame that the slip led to, frames: a Run once they come, clock: s of playing, before: ms, axis: its
 // ends before}; the state on screen is `me.instead`
 let film = null
-let awaited = null // the predicted run for whose exact one slow motion waits
 
 // Begin, or end; where there is no slip to go through, say so
 export function slowMotion() {
   if (film) return leave()
   const { run } = me, at = now(), k = at < 0 ? null : run.slipBefore(at)
   if (at < 0) return refuse("Slow motion: nothing is computed yet.")
-  if (run.followed) return waitForExact(run)
+  if (run.followed || run.checked) return waitForExact()
   if (k === null)
     return refuse(`Slow motion: no slip up to here${run.nextSlip(at, 1) > at ? "; the key ] leads to the next" : ""}.`)
   goto(k)
@@ -34,18 +33,15 @@ export function slowMotion() {
 }
 
 // A predicted run has no motions: those of the exact run, as soon as it is there
-function waitForExact(run) {
-  awaited = run
+async function waitForExact() {
   tell("the exact run comes first …")
-  order("release", { exact: true })
+  const there = await framed()
+  tell("")
+  if (there) slowMotion()
 }
 
 function look() {
   if (film && (me.run !== film.run || now() !== film.k)) leave()
-  if (!awaited || me.run === awaited) return
-  awaited = null
-  tell("")
-  if (exact(me.run)) slowMotion()
 }
 
 function tell(text) {

@@ -40,6 +40,7 @@ function tellFrame() {
     work,
   ]
   by("increment").textContent = run.followed ? "This increment is predicted from the run before."
+    : run.checked ? "This increment lies between states that were checked."
     : `This increment: residual ${v.residual.toExponential(0)} nm, ${v.evaluations} force evaluations.`
   texts.forEach((text, i) => { by("readout").children[i].textContent = text })
 }

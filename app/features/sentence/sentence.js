@@ -104,8 +104,12 @@ function slid(run, at, playing) {
   const [was, is] = [start.F, F[at]].map(Math.abs), turns = F[at] * start.F < 0
   const numbers = playing ? "" : ` from ${number("F", was)} to ${withUnit("F", is)}${turns ? " the other way" : ""}`
   const changes = is < was ? "drops" : "rises", verb = turns ? "turns round" : changes
-  return tell(`slip ${at}`, `${part}${far}: friction ${verb}${numbers}${areaAfter(run, at)}.`)
+  return tell(`slip ${at}`, `${part}${far}: friction ${verb}${numbers}${areaAfter(run, at)}.${doubt(run)}`)
 }
+
+// Where slips go over several sites, a prediction may be wrong about where they land until it is checked
+const doubt = ({ followed, head: { scene } }) =>
+  (followed && scene.surface !== "circular" ? " Predicted: it may land elsewhere." : "")
 
 // What a slip does to the area, unless that is little
 function areaAfter({ head, curves: { A } }, at) {

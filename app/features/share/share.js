@@ -5,9 +5,12 @@ import { charts } from "../../static/js/charts.js"
 import { colour } from "../../static/js/colours.js"
 import { by, download, make, on } from "../../static/js/dom.js"
 import { digits, fixed } from "../../static/js/quantities.js"
+import { framed } from "../../static/js/player.js"
 import { opensElsewhere, originForOthers } from "../../static/js/reach.js"
 import { declared, me, sees, view as whenever } from "../../static/js/store.js"
 import { parameters } from "../../static/js/words.js"
+
+const between = (run) => run.followed || run.checked // its increments lie between states that were solved
 
 // Columns as in `Result.table`: heading, and the value of an increment
 const COLUMNS = {
@@ -15,8 +18,8 @@ const COLUMNS = {
   "U_x (nm)": (run, k) => run.curves.U_x[k], "delta (nm)": (run, k) => run.curves.delta[k],
   "U_x_top (nm)": (run, k) => run.top(k, "U_x"), "delta_top (nm)": (run, k) => run.top(k, "delta"),
   "F (N/m)": (run, k) => run.values(k).F, "L (N/m)": (run, k) => run.values(k).L, "A (nm)": (run, k) => run.values(k).A,
-  "residual (nm)": (run, k) => (run.followed ? "" : run.curves.residual[k]), // a prediction has none
-  evaluations: (run, k) => (run.followed ? "" : run.curves.evaluations[k]),
+  "residual (nm)": (run, k) => (between(run) ? "" : run.curves.residual[k]),
+  evaluations: (run, k) => (between(run) ? "" : run.curves.evaluations[k]),
   slip: (run, k) => (run.curves.slip[k] > 0 ? "True" : "False"),
 }
 // Columns of the table on screen: heading, and the text of an increment
@@ -80,6 +83,13 @@ async function copy(field, what) {
   say(copied ? `${what} copied` : `The browser forbids copying. The ${what} is selected: press Ctrl+C.`)
 }
 
+// With the frames of the solver
+async function saveCurves() {
+  if (between(me.run)) say("computing the run, increment by increment …")
+  await framed()
+  save(new Blob([csv(me.run)], { type: "text/csv" }), ".csv")
+}
+
 function showFile({ why, ending, body }) {
   if (why) say(why)
   else save(new Blob([body]), `.${ending}`)
@@ -115,7 +125,7 @@ function connect() {
   on("copy-python", "click", () => copy(by("share-python"), "Python lines"))
   on("save-png", "click", async () => save(await png(view.value), `-${view.value}.png`))
   on("show-table", "click", showTable)
-  on("save-csv", "click", () => save(new Blob([csv(me.run)], { type: "text/csv" }), ".csv"))
+  on("save-csv", "click", saveCurves)
   on("enlarge-qr", "click", () => by("qr").showModal())
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => {

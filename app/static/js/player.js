@@ -1,6 +1,6 @@
 // Which run is on screen, and its playing and scrubbing, without asking the server.
 
-import { heard } from "./channel.js"
+import { heard, order } from "./channel.js"
 import { by, closest } from "./dom.js"
 import { AFTER, firstOfPath } from "./events.js"
 import { spoken } from "./quantities.js"
@@ -44,7 +44,15 @@ function replaced(chunk) {
 
 // Whether a run on screen stands in for the one of a chunk
 function standsIn(run, { state }) {
-  return run?.stored ? !me.stale : Boolean(run?.followed) && state === "refining"
+  return run?.stored ? !me.stale : Boolean(run?.followed || run?.checked) && state === "refining"
+}
+
+const asked = [] // functions that receive whether the run on screen has frames of the solver now
+// Whether the run on screen has frames of the solver, in a while: those of a prediction come when somebody wants them
+export function framed() {
+  if (me.lost || !(me.run.followed || me.run.checked)) return Promise.resolve(!me.lost)
+  order("release", { exact: true })
+  return new Promise((answer) => { asked.push(answer) })
 }
 
 let predicted = null, count = 0 // the skeleton of the last prediction; how many runs were made of them
@@ -53,26 +61,30 @@ const AFTERWARDS = 50 // ms after a slider is let go, which is on screen by then
 const MEASURED = 60 // increments of a prediction that the axes are fitted to, beside those at slips
 let completing = 0
 
-// The skeleton of where a slider is, or was a moment ago; first the server hears where it is now
-export function follow({ acknowledged, skeleton }) {
+// The skeleton of where a slider is, or was a moment ago; first the server hears where it is now. checked: numbers of
+// states, folds and landings of a prediction that is exact
+export function follow({ acknowledged, skeleton, checked }) {
   heard(acknowledged)
   sendNext()
-  if (!me.run?.length || me.waiting.some(({ what }) => what !== "scene")) return // another experiment was chosen
+  if (!me.run?.length || me.waiting.some(({ what }) => checked || what !== "scene")) return // of another experiment
   predicted = skeleton
-  showPredicted(me.dragging)
+  showPredicted(me.dragging && !checked, checked)
 }
 
-// A predicted run at the displacement on screen; few: with few increments, on the axes of the run before
-function showPredicted(few) {
+// A predicted run at the displacement on screen; few: with few increments, on the axes of the run before. One that is
+// checked has the approach, too
+function showPredicted(few, checked) {
   const { run: before } = me, U_x = before.sheared >= 0 && now() >= before.sheared ? before.curves.U_x[now()] : 0
   const chunk = chunkFrom(predicted, few, U_x), run = new Run(--count, chunk.head)
   const shown = closest(chunk.columns.U_x, U_x)
-  Object.assign(run, { followed: true, few })
-  const { slip } = chunk.columns, every = Math.ceil(slip.length / MEASURED)
-  run.add(chunk, few ? [0, shown] : [...slip.keys()].filter((k) => k % every === 0 || slip[k] || slip[k + 1]))
+  Object.assign(run, { followed: !checked, checked, few })
+  const { slip, index } = chunk.columns, every = Math.ceil(slip.length / MEASURED)
+  const measured = (k) => k % every === 0 || index[k] === 0 || slip[k] || slip[k + 1]
+  run.add(chunk, few ? [0, shown] : [...slip.keys()].filter(measured))
   if (few) run.keepSpans(before)
   begin(run)
-  set({ at: shown, following: false, place: null })
+  if (checked) toPlace()
+  else set({ at: shown, following: false, place: null })
 }
 
 // A stored run takes the screen until the computed one is whole
@@ -91,6 +103,7 @@ function begin(run) {
     me.place ??= me.run.place(now())
   }
   set({ run, preview: null })
+  if (!run.checked) for (const answer of asked.splice(0)) answer(!run.followed)
 }
 
 // The increment of this run where that shown before would be

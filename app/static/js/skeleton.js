@@ -14,28 +14,36 @@ export async function skeletonLater({ body, ...message }) {
   return { ...message, skeleton: skeletonOf(await inflated(body)) }
 }
 
-// {head, branches, law} of the inflated bytes, an ArrayBuffer
+// {head, branches, lowered: those of the approach, law} of the inflated bytes, an ArrayBuffer
 function skeletonOf(buffer) {
   const length = new DataView(buffer).getUint32(0, true), rest = buffer.slice(4 + length)
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)))
-  const count = head.branches.reduce((sum, { states }) => sum + states, 0), size = 2 * head.nodes + head.held
-  const loads = new Float64Array(rest, 0, count), row = new Int32Array(rest, 8 * count, size)
-  const states = statesOf(row, new Int16Array(rest, 8 * count + row.byteLength), head.unit)
+  const { nodes, held, shear, lowered } = head
+  const { branches, bytes } = branchesOf(rest, shear, 2 * nodes + held)
+  const above = lowered && branchesOf(rest.slice(bytes), lowered, 2 * nodes).branches
+  return { head, branches, lowered: above ?? [], law: lawOf(head.law) }
+}
+
+// {branches, how many bytes they have}
+function branchesOf(buffer, { branches: kinds, unit }, size) {
+  const count = kinds.reduce((sum, { states }) => sum + states, 0), loads = new Float64Array(buffer, 0, count)
+  const row = new Int32Array(buffer, 8 * count, size), after = 8 * count + row.byteLength
+  const states = statesOf(row, new Int16Array(buffer, after, (count - 1) * size), unit)
   let from = 0
-  const branches = head.branches.map(({ states: n, ...kind }) => {
+  const branches = kinds.map(({ states: n, ...kind }) => {
     const branch = { ...kind, loads: loads.subarray(from, from + n), states: states.slice(from, from + n) }
     from += n
     return { ...branch, places: Array.from(branch.loads, (load) => placeIn(branch, load)) }
   })
-  return { head, branches, law: lawOf(head.law) }
+  return { branches, bytes: after + 2 * (count - 1) * size }
 }
 
-// States, nm, from steps between nodes, those of later states being changes
+// States, nm, from steps of the steps between nodes, those of later states being changes
 function statesOf(row, rows, unit) {
   const size = row.length, units = new Int32Array(size)
   return Array.from({ length: 1 + rows.length / size }, (_, k) => {
     const steps = k ? rows.subarray((k - 1) * size, k * size) : row
-    for (let i = 0, sum = 0; i < size; i++) units[i] += sum += steps[i]
+    for (let i = 0, step = 0, sum = 0; i < size; i++) units[i] += sum += step += steps[i]
     return Float64Array.from(units, (value) => value * unit)
   })
 }
@@ -82,36 +90,47 @@ function fillUnknowns({ head: { period, nodes }, branches }, load, v) {
 }
 
 // Numbers of the increments of a picture, which has few: even ones, those at slips, the one at U_x and the last
-function fewOf({ step, slips }, last, every, U_x) {
+function fewOf({ step, shear: { slips } }, last, every, U_x) {
   const even = Array.from({ length: Math.floor(last / every) + 1 }, (_, k) => k * every)
   const beside = slips.flatMap(([load]) => [Math.floor(load / step), Math.ceil(load / step)])
   const within = (k) => Math.min(Math.max(k, 0), last)
   return [...new Set([...even, ...[...beside, Math.round(U_x / step), last].map(within)])].toSorted((a, b) => a - b)
 }
 
-// The increments of a run as a chunk of frames (packed.js): all; or, where `few`, those of a picture. Curves are made
-// now, fields when they are looked at
+// The increments of the approach: [index, delta]
+function loweredTo({ approach: [from, to, step], lowered }) {
+  return Array.from({ length: lowered ? lowered.increments + 1 : 0 }, (_, k) => [k, Math.min(to, from + k * step)])
+}
+
+// The increments of a run as a chunk of frames (packed.js), with the approach where it is known: all; or, where `few`,
+// those of a picture. Curves are made now, fields when they are looked at
 export function chunkFrom(skeleton, few = false, U_x = 0) {
-  const { head } = skeleton, { nodes, step, stages } = head, last = Math.floor(head.span[1] / step + 1e-9)
-  const every = few ? Math.ceil((last + 1) / FEW) : 1, steps = fewOf(head, last, every, U_x), frames = steps.length
-  const columns = Object.fromEntries(head.columns.map((name) => [name, new Float32Array(frames)]))
+  const { head, lowered } = skeleton, { nodes, step, stages } = head, last = Math.floor(head.span[1] / step + 1e-9)
+  const every = few ? Math.ceil((last + 1) / FEW) : 1, above = loweredTo(head)
+  const places = [...above, ...fewOf(head, last, every, U_x).map((index) => [index, index * step])]
+  const frames = places.length, columns = Object.fromEntries(head.columns.map((name) => [name, new Float32Array(frames)]))
   const v = new Float64Array(2 * nodes + head.held), gap = v.subarray(nodes, 2 * nodes) // of one increment at a time
   const T_x = new Float64Array(nodes), T_z = new Float64Array(nodes)
-  const evaluate = (index) => {
-    fillUnknowns(skeleton, index * step, v)
+  const evaluate = (k) => {
+    const [, load] = places[k]
+    if (k < above.length) stateOf(lowered.find(({ loads }) => load <= loads.at(-1)) ?? lowered.at(-1), load, v)
+    else fillUnknowns(skeleton, load, v)
     skeleton.law(v, gap, T_x, T_z)
   }
-  steps.forEach((index, k) => {
-    evaluate(index)
-    const delta = head.held ? -v.at(-1) : head.approach[1]
-    const values = { stage: stages.indexOf("shear"), index, U_x: index * step, delta, ...forcesOf(head, T_x, T_z) }
+  places.forEach(([index, load], k) => {
+    evaluate(k)
+    const down = k < above.length, kind = stages.indexOf(down ? "approach" : "shear")
+    const delta = down ? load : head.held ? -v.at(-1) : head.approach[1]
+    const values = { stage: kind, index, U_x: down ? 0 : load, delta, ...forcesOf(head, T_x, T_z) }
     for (const name in values) columns[name][k] = values[name]
   })
-  markSlips(head, steps, columns)
+  OF_SLIP.forEach((name, i) => columns[name].set(columns[["U_x", "F_bar", "L_bar", "A_bar"][i]]))
+  markSlips(head.lowered?.slips ?? [], above, 0, columns)
+  markSlips(head.shear.slips, places.slice(above.length), above.length, columns)
   const rows = [] // the fields of those increments that were looked at
   const fieldsAt = (row) => {
     if (!rows[row]) {
-      evaluate(steps[row])
+      evaluate(row)
       const kept = { u_x: v.subarray(0, nodes), gap, T_x, T_z }
       rows[row] = Object.fromEntries(Object.keys(kept).map((name) => [name, Float32Array.from(kept[name])]))
     }
@@ -120,14 +139,13 @@ export function chunkFrom(skeleton, few = false, U_x = 0) {
   return { head: { ...head, last: true, frames, scales: SCALES, step: every * step }, columns, fieldsAt }
 }
 
-// Slips in their increments; of several in one the first counts
-function markSlips({ slips, step }, steps, columns) {
-  OF_SLIP.forEach((name, i) => columns[name].set(columns[["U_x", "F_bar", "L_bar", "A_bar"][i]]))
+// Slips in their increments, which begin with frame `first`; of several in one the first counts
+function markSlips(slips, places, first, columns) {
   for (const values of slips.toReversed()) {
-    const k = steps.findIndex((index) => index * step >= values[0])
+    const k = places.findIndex(([, load]) => load >= values[0])
     if (k < 0) continue
-    columns.slip[k]++
-    OF_SLIP.forEach((name, i) => { columns[name][k] = values[i] })
+    columns.slip[first + k]++
+    OF_SLIP.forEach((name, i) => { columns[name][first + k] = values[i] })
   }
 }
 

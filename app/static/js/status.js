@@ -113,19 +113,28 @@ const STATES = { // {state of a run: its text}
 }
 
 function tellState() {
-  const { state, seconds } = me.status, { stored, followed, sheared } = me.run ?? {}
+  const { state, seconds } = me.status, { stored, followed, checked, sheared } = me.run ?? {}
   if (stored && state !== "failed") return tellStored(state)
   if (!state) return
   if (followed && (state !== "failed" || me.dragging))
     showState("followed", state === "refining" ? "the exact run comes" : "exact once the slider rests")
+  else if (checked && state === "finished") showState("exact", "")
   else showState(state === "finished" && !me.playing ? "paused" : state, STATES[state](me.status))
   by("skip").hidden = !(state === "running" && seconds + waited() > LONG && sheared >= 0)
   tellWork(me.status)
 }
 
+const counted = (count, of) => `${count} ${of}${count === 1 ? "" : "s"}`
+
 function tellWork({ state, frames, total, evaluations, seconds, tolerance, known, residual }) {
   if (me.run?.followed) return tell(by("computed"), "This run is predicted from the run before.")
   const time = known ? "computed before" : `${seconds} s`
+  if (me.run?.checked && state === "finished") {
+    const counts = ["state", "fold", "landing"].map((of, i) => counted(me.run.checked[i], of)).join(", ")
+    return tell(by("computed"), `This run was predicted, and is exact: ${counts} checked, `
+      + `${evaluations} force evaluations, ${time}; `
+      + `largest residual ${residual.toExponential(0)} nm. Increments lie between these states.`)
+  }
   const end = state === "finished" ? `: all increments converged to ${tolerance.toExponential(0)} nm.` : "."
   tell(by("computed"), `${frames} of ${total} increments, ${evaluations} force evaluations, ${time}; `
     + `largest residual ${residual.toExponential(0)} nm${end}`)
