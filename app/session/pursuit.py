@@ -235,7 +235,7 @@ class Pursuit:
     async def _compute(self, request: Request) -> None:
         """Show the run of a request, part by part, until it ends or a newer request replaces it."""
         run = self._begin(request)
-        if run.refines and self.shown is not None and await self._certify(run):
+        if run.refines and self.shown is not None and not self.framed and await self._certify(run):
             return
         try:
             rank, begin = (EXACT, ()) if run.refines else (SCREEN, (None, FIRST))
@@ -256,11 +256,11 @@ class Pursuit:
 
     async def _certify(self, run: Run) -> bool:
         """Check the prediction on screen; return False if its run must be computed."""
-        if self.framed or self.session.jobs.keeps(worker.compute, run.scene):
+        if self.session.jobs.keeps(worker.compute, run.scene):
             return False
         try:
             job = self._start(certified, run.scene, rank=EXACT, begin=(self.skeleton,))
-            while not (job.done or self.framed or self._is_replaced(run, job, False)):
+            while not (job.done or self.framed or self._is_replaced(run, job, came=False)):
                 self.session.publish()
                 await news()
         finally:
