@@ -1,6 +1,6 @@
 // Your data: a measured curve over the run. Loaded with the first file.
 
-import { fetched, on } from "../../static/js/dom.js"
+import { fetched, on, root } from "../../static/js/dom.js"
 import { CARRIED, declare, me } from "../../static/js/store.js"
 
 const overlay = () => fetched(() => import("./overlay.js"))
@@ -15,8 +15,8 @@ export function connect() {
 
 // A file dropped on the page is a measured curve
 function connectDrop() {
-  document.addEventListener("dragover", (event) => event.preventDefault())
-  document.addEventListener("drop", async (event) => {
+  root.addEventListener("dragover", (event) => event.preventDefault())
+  root.addEventListener("drop", async (event) => {
     const [file] = event.dataTransfer.files
     event.preventDefault()
     if (file) (await overlay())?.read(file)

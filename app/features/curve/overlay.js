@@ -3,7 +3,7 @@
 import { order, take, tooLarge } from "../../static/js/channel.js"
 import { addChart, addPart, charts, line, none } from "../../static/js/charts.js"
 import { NARROW } from "../../static/js/curves.js"
-import { by, make, makeButton, say } from "../../static/js/dom.js"
+import { by, make, makeButton, one, root, say } from "../../static/js/dom.js"
 import { digits, fixed } from "../../static/js/quantities.js"
 import { enter } from "../../static/js/steer.js"
 import { frame, me, memory, redraw, sees, view } from "../../static/js/store.js"
@@ -98,7 +98,7 @@ const at = (id) => by(id).value / 100 // of a handle
 
 // What the handles say, from the setting of the last match
 function turn() {
-  const { base, curve } = me.laid, most = largest(curve.segments.flatMap((one) => one[mainOf(curve)]))
+  const { base, curve } = me.laid, most = largest(curve.segments.flatMap((part) => part[mainOf(curve)]))
   const far = largest(curve.segments.flatMap(({ x }) => x))
   const set = { scale: base.scale * WIDEST ** at("laid-scale"),
     zero: base.zero + most * Math.abs(base.scale) * at("laid-zero"), shift: base.shift + far * at("laid-shift") }
@@ -179,9 +179,9 @@ function describe() {
   by("laid-says").replaceChildren(...says, ".")
   by("laid-notes").textContent = [curve.notes, Object.values(curve.units).includes("N") ? TIP : ""].join(" ")
   by("laid-shift").parentNode.hidden = !curve.free
-  const fits = document.querySelector("nav [data-lab=fit]") && ["friction", "loop"].includes(curve.kind)
+  const fits = one("nav [data-lab=fit]") && ["friction", "loop"].includes(curve.kind)
   by("laid-fit").hidden = !fits || unit === "N"
-  by("laid-fit").href = `?${new URLSearchParams({ lab: "fit", theme: document.documentElement.dataset.theme,
+  by("laid-fit").href = `?${new URLSearchParams({ lab: "fit", theme: root.dataset.theme,
     ...me.status.address, curve: laid.key })}`
 }
 

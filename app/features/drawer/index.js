@@ -1,6 +1,6 @@
 // The drawer of all parameters: shows those that apply to the surface and the path on screen, finds, and restores.
 
-import { by, on } from "../../static/js/dom.js"
+import { all, by, on, one, root } from "../../static/js/dom.js"
 import { declared, me, view } from "../../static/js/store.js"
 
 export function connect() {
@@ -8,10 +8,10 @@ export function connect() {
   on("parameters", "click", openDrawer)
   on("find", "input", fillDrawer)
   on("drawer", "close", () => by("menu").focus())
-  document.addEventListener("keydown", ({ key }) => {
-    if (key === "Escape" && !document.querySelector("dialog:modal") && by("drawer").open) by("drawer").close()
+  root.addEventListener("keydown", ({ key }) => {
+    if (key === "Escape" && !one("dialog:modal") && by("drawer").open) by("drawer").close()
   })
-  for (const button of document.querySelectorAll(".restore")) {
+  for (const button of all(".restore")) {
     button.addEventListener("click", () => {
       const entry = by(`${button.dataset.name}-entry`)
       entry.value = declared.usual[me.status.preset][button.dataset.name]
@@ -24,7 +24,7 @@ export function connect() {
 function openDrawer() {
   if (by("drawer").open) return by("drawer").close()
   by("drawer").show()
-  if (matchMedia("(max-width: 599px)").matches) document.querySelector(".desk").scrollIntoView() // where it is in sight
+  if (matchMedia("(max-width: 599px)").matches) one(".desk").scrollIntoView() // where it is in sight
   fillDrawer()
 }
 
@@ -33,12 +33,12 @@ function fillDrawer() {
   if (!values || !by("drawer").open) return
   const applies = ({ dataset }) =>
     ["surface", "path"].every((which) => dataset[which]?.split(" ").includes(values[which]) ?? true)
-  for (const row of document.querySelectorAll("#drawer .row")) {
+  for (const row of all("#drawer .row")) {
     row.hidden = sought ? !`${row.textContent} ${row.dataset.also}`.toLowerCase().includes(sought) : !applies(row)
   }
-  for (const group of document.querySelectorAll("#drawer > fieldset"))
+  for (const group of all("#drawer > fieldset"))
     group.hidden = !group.querySelector(".row:not([hidden])")
-  for (const button of document.querySelectorAll(".restore")) {
+  for (const button of all(".restore")) {
     button.hidden = `${values[button.dataset.name]}` === `${declared.usual[preset][button.dataset.name]}`
   }
 }

@@ -2,7 +2,7 @@
 
 import { addPart, charts } from "../../static/js/charts.js"
 import { bytes, isShown, mixed, theme } from "../../static/js/colours.js"
-import { by, keep, kept, make, on } from "../../static/js/dom.js"
+import { all, by, keep, kept, make, on, one } from "../../static/js/dom.js"
 import { APART, middles, SHEARED, sumsIn, tableFor, tableMeanwhile, XX, XZ, ZZ } from "./inside.js"
 import { BAR, drawnFrame } from "../../static/js/punch.js"
 import { digits } from "../../static/js/quantities.js"
@@ -36,16 +36,16 @@ export function connect() {
 }
 
 const chosen = () => by("stress").value
-const keyOf = (component) => document.querySelector(`.of-stress[data-stress=${component}]`)
+const keyOf = (component) => one(`.of-stress[data-stress=${component}]`)
 const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only the user changes it
 
 // The key of what is drawn: the colours of the first orders or of both signs, and the stress at which they end
 const keyed = memory()
 function drawKey(what) {
   if (!keyed(theme(), perFringe(), what)) return
-  document.querySelector(".page").dataset.stress = what
-  document.querySelector(".of-fringe").hidden = what !== "fringes"
-  for (const key of document.querySelectorAll(".of-stress")) key.hidden = key.dataset.stress !== what
+  one(".page").dataset.stress = what
+  one(".of-fringe").hidden = what !== "fringes"
+  for (const key of all(".of-stress")) key.hidden = key.dataset.stress !== what
   const most = digits(ORDERS * perFringe(), 2)
   by("fringe-most").textContent = `${most} GPa`
   if (what === "fringes") drawBar(by("fringe-bar"), inksOf(theme()).subarray(0, ORDERS * SHADES))

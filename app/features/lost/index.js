@@ -3,7 +3,7 @@
 // shown beside it.
 
 import { isThere, silence } from "../../static/js/channel.js"
-import { by, keepForTab, readdress, takeFromTab } from "../../static/js/dom.js"
+import { by, keepForTab, one, readdress, takeFromTab } from "../../static/js/dom.js"
 import { warn } from "../../static/js/opening.js"
 import { CARRIED, declared, me, now } from "../../static/js/store.js"
 
@@ -31,7 +31,7 @@ async function look() {
 }
 
 async function answers() {
-  const address = document.querySelector('link[href*="/static/style.css"]').href
+  const address = one('link[href*="/static/style.css"]').href
   try {
     return (await fetch(address, { method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(PATIENCE) })).ok
   } catch {

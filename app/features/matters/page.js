@@ -1,6 +1,6 @@
 // The page "What matters": a bar for each parameter, and below the punch how much each node holds until the first slip.
 
-import { by, make, makeButton, on } from "../../static/js/dom.js"
+import { by, make, makeButton, on, one } from "../../static/js/dom.js"
 import { inks } from "../../static/js/pen.js"
 import { drawnFrame } from "../../static/js/punch.js"
 import { minus } from "../../static/js/quantities.js"
@@ -26,7 +26,7 @@ export function receive({ matters }) {
 const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value) < 0.005 ? "0" : Math.abs(value).toFixed(2)} %`
 
 function drawBars() {
-  const column = COLUMNS[document.querySelector("#matters-of :checked").value]
+  const column = COLUMNS[one("#matters-of :checked").value]
   const known = Object.entries(result?.bars ?? {})
     .map(([name, all]) => [name, all[column]]).filter(([, value]) => value !== null)
   const [rows, zero] = [true, false].map((some) => known.filter(([name]) => (result.values[name] !== 0) === some))

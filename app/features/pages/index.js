@@ -5,7 +5,7 @@
 
 import { order, take } from "../../static/js/channel.js"
 import { addPart, charts } from "../../static/js/charts.js"
-import { by, entries, fetched, readdress } from "../../static/js/dom.js"
+import { all, by, entries, fetched, one, readdress, root } from "../../static/js/dom.js"
 import { connectChart } from "../../static/js/hover.js"
 import { alone, declared, embedded, me, memory, redraw, redrawPunch, view } from "../../static/js/store.js"
 
@@ -16,17 +16,17 @@ let picking = 0
 const call = (what, ...values) => modules[sheet.open]?.[what]?.(...values)
 
 export function connect() {
-  for (const button of document.querySelectorAll(".sheet .close")) button.addEventListener("click", closePage)
-  for (const button of document.querySelectorAll(".sheet [data-ask]")) {
+  for (const button of all(".sheet .close")) button.addEventListener("click", closePage)
+  for (const button of all(".sheet [data-ask]")) {
     button.addEventListener("click", () => ask({ what: button.dataset.ask }))
   }
-  for (const button of document.querySelectorAll("nav button")) {
+  for (const button of all("nav button")) {
     button.addEventListener("click", () => (button.dataset.page ? openPage(button.dataset.page) : closePage()))
   }
   addEventListener("popstate", showAddressed)
   view(["look"], () => call("receive", sheet))
   view(["lost"], () => { // the server makes pages
-    if (me.lost) for (const button of document.querySelectorAll("nav button, [data-ask]")) button.disabled = true
+    if (me.lost) for (const button of all("nav button, [data-ask]")) button.disabled = true
   })
   view(["picture"], () => framePage("frame"))
   addPart("punch", "page", { kind: "drawing", draw: (...punch) => framePage("over", ...punch) })
@@ -38,14 +38,14 @@ export function connect() {
 // Pages have no room on a projector as it begins
 const changed = memory()
 function closeForProjector() {
-  const { view: of } = document.documentElement.dataset
+  const { view: of } = root.dataset
   if (changed(of) && of === "projector" && shown()) openPage("")
 }
 
 // Ask the page that is open for something
 export const ask = (values) => order("ask", values)
 
-const shown = () => document.querySelector(".page").dataset.page ?? ""
+const shown = () => one(".page").dataset.page ?? ""
 
 // Open a page, or none, as another entry of the browser's history; wish: what to ask it for then
 export function openPage(name, wish = null) {
@@ -70,11 +70,11 @@ export function showAddressed() {
 }
 
 function show(name, wish = null) {
-  if (name) document.querySelector(".page").dataset.page = name
-  else delete document.querySelector(".page").dataset.page
-  for (const button of document.querySelectorAll("nav button"))
+  if (name) one(".page").dataset.page = name
+  else delete one(".page").dataset.page
+  for (const button of all("nav button"))
     button.setAttribute("aria-pressed", button.dataset.page === name)
-  for (const section of document.querySelectorAll(".sheet")) section.hidden = section.id !== name
+  for (const section of all(".sheet")) section.hidden = section.id !== name
   if (name) {
     by(name).dataset.drawing = ""
     by(name).scrollIntoView() // on a phone it lies below the experiment

@@ -2,7 +2,7 @@
 
 import { addPart, charts } from "../../static/js/charts.js"
 import { drawnAlong } from "../../static/js/curves.js"
-import { by, make, makeButton, makeShape } from "../../static/js/dom.js"
+import { by, focused, make, makeButton, makeShape, one } from "../../static/js/dom.js"
 import { drawnFrame, sideways } from "../../static/js/punch.js"
 import { named } from "../../static/js/quantities.js"
 import { frame, me, view } from "../../static/js/store.js"
@@ -55,11 +55,11 @@ function say(text) {
 }
 
 function tell() {
-  const { pins } = me, focused = document.activeElement.closest(".chip")?.dataset.slot
+  const { pins } = me, held = focused()?.closest(".chip")?.dataset.slot
   by("pins").hidden = !pins.length
   by("pins-status").textContent = ""
   by("chips").replaceChildren(...pins.map(chip))
-  if (focused) document.querySelector(`.chip[data-slot="${focused}"] button`)?.focus()
+  if (held) one(`.chip[data-slot="${held}"] button`)?.focus()
 }
 
 const WIDE = 2.5, THIN = 1.2 // px: friction and area, load

@@ -1,7 +1,7 @@
 // Experiments: a row of pictures, and a menu of all; what to look for in the one on screen.
 
 import { outdated } from "../../static/js/channel.js"
-import { by, on, tell } from "../../static/js/dom.js"
+import { all, by, on, tell } from "../../static/js/dom.js"
 import { play } from "../../static/js/player.js"
 import { minus } from "../../static/js/quantities.js"
 import { restore } from "../../static/js/steer.js"
@@ -35,7 +35,7 @@ function namePreset() {
   const menu = by("preset"), { preset, address } = me.status
   menu.options[0].textContent = `${titleOf(preset)} – changed`
   menu.value = changedIn(address).length ? "" : preset
-  for (const radio of document.querySelectorAll("#row input")) radio.checked = radio.value === menu.value
+  for (const radio of all("#row input")) radio.checked = radio.value === menu.value
 }
 
 // What to look for, where the scene is still that of the preset

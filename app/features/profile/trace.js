@@ -2,7 +2,7 @@
 // long trace, and a filter for steep places. Loaded with the first file.
 
 import { order, take } from "../../static/js/channel.js"
-import { by, make, makeShape, on, say } from "../../static/js/dom.js"
+import { by, make, makeShape, on, one, say } from "../../static/js/dom.js"
 import { me } from "../../static/js/store.js"
 
 const UNITS = { nm: 1, "µm": 1e3, mm: 1e6 } // {name: nm}
@@ -19,7 +19,7 @@ export function read(given) {
 
 const send = (chosen) => order("profile", { content, ...chosen })
 
-const unit = () => (trace.named ? 1 : UNITS[document.querySelector("#trace-units :checked").value])
+const unit = () => (trace.named ? 1 : UNITS[one("#trace-units :checked").value])
 const place = (id) => (by(id).value / 1000) * trace.length * unit() // nm
 // From the shortest wavelength that points resolve to half of the trace, as a logarithm; 0 at the left end is none
 const cutOff = () => {
@@ -79,7 +79,7 @@ function connect() {
   on("trace", "input", tell)
   on("trace-use", "click", () => {
     const begin = place("trace-begin"), end = place("trace-end"), whole = begin <= 0 && end >= trace.length * unit()
-    const named = trace.named ? {} : { unit: document.querySelector("#trace-units :checked").value }
+    const named = trace.named ? {} : { unit: one("#trace-units :checked").value }
     send({ sure: true, ...named, ...(whole ? {} : { begin, end }), ...(cutOff() ? { cut_off: cutOff() } : {}) })
   })
   take("trace", ({ trace: given, why }) => ask(given, why))

@@ -3,7 +3,7 @@
 import { order, take } from "../../static/js/channel.js"
 import { charts } from "../../static/js/charts.js"
 import { colour } from "../../static/js/colours.js"
-import { by, download, make, on } from "../../static/js/dom.js"
+import { all, by, download, make, on, one } from "../../static/js/dom.js"
 import { digits, fixed } from "../../static/js/quantities.js"
 import { framed } from "../../static/js/player.js"
 import { opensElsewhere, originForOthers } from "../../static/js/reach.js"
@@ -93,12 +93,12 @@ async function saveCurves() {
 function showFile({ why, ending, body }) {
   if (why) say(why)
   else save(new Blob([body]), `.${ending}`)
-  document.querySelector(`[data-file=${ending}]`).disabled = false
+  one(`[data-file=${ending}]`).disabled = false
 }
 
 function showSheet({ link, qr, python }) {
   if (link !== by("share-link").value) return
-  if (qr && opensElsewhere()) for (const code of document.querySelectorAll(".qr img")) code.src = qr
+  if (qr && opensElsewhere()) for (const code of all(".qr img")) code.src = qr
   by("enlarge-qr").hidden = !qr || !opensElsewhere()
   by("share-python").value = python
   by("share-python").rows = python.split("\n").length
@@ -106,7 +106,7 @@ function showSheet({ link, qr, python }) {
 
 // The address of what is on screen now, for others
 function linkTo() {
-  const { page } = document.querySelector(".page").dataset, url = new URL(location.pathname, originForOthers())
+  const { page } = one(".page").dataset, url = new URL(location.pathname, originForOthers())
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)
@@ -127,7 +127,7 @@ function connect() {
   on("show-table", "click", showTable)
   on("save-csv", "click", saveCurves)
   on("enlarge-qr", "click", () => by("qr").showModal())
-  for (const button of document.querySelectorAll("[data-file]")) {
+  for (const button of all("[data-file]")) {
     button.addEventListener("click", () => {
       say("computing the run once more, in full precision …")
       button.disabled = true
@@ -147,7 +147,7 @@ export function open() {
   if (address.profile)
     sentences.push("The link shows the measured profile only while this server keeps it; the JSON has it.")
   if (me.lost) sentences.push(LOST)
-  for (const what of document.querySelectorAll("#copy-python, [data-file]")) what.disabled = me.lost
+  for (const what of all("#copy-python, [data-file]")) what.disabled = me.lost
   by("share-python").value = "" // of the run before, until the server answers
   by("enlarge-qr").hidden = true
   by("qr-link").textContent = link

@@ -2,7 +2,7 @@
 
 import { order } from "../../static/js/channel.js"
 import { charts, CURVES } from "../../static/js/charts.js"
-import { by, make, makeButton, readdress, tell } from "../../static/js/dom.js"
+import { by, focused, make, makeButton, one, readdress, root, tell } from "../../static/js/dom.js"
 import { firstSlip } from "../../static/js/events.js"
 import { drawAtoms } from "../../static/js/lattice.js"
 import { cleared, inks } from "../../static/js/pen.js"
@@ -16,7 +16,7 @@ import { sceneChanges } from "../history/index.js"
 import { openPage } from "../pages/index.js"
 import { ownStop, slipValue, STOPS } from "./stops.js"
 
-const { dataset } = document.documentElement
+const { dataset } = root
 const known = {} // {base: first slip of a scene that another one is compared with}
 let unseen = null // the scene that nobody has seen
 let at = 0, phase = "ask", chosen = null, card = null
@@ -38,7 +38,7 @@ function enterStop(place) {
   at = place
   card ??= makeCard()
   card.hidden = false
-  if (document.querySelector(".page").dataset.page) openPage("")
+  if (one(".page").dataset.page) openPage("")
   begin()
 }
 
@@ -97,7 +97,7 @@ function left() {
 function makeCard() {
   const made = make("section", { id: "tour-card", "aria-label": "Tour" })
   made.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  document.querySelector(".views").append(made)
+  one(".views").append(made)
   view(["status", "run", "lost", "stale", "drawn"], watch)
   frame(["drawn", "run", "look"], hideFuture)
   frame(["look"], drawReason)
@@ -224,7 +224,7 @@ const paragraph = (className, ...parts) => make("p", { className }, ...parts)
 function write() {
   const stop = here()
   const title = make("h2", {}, at === OWN ? stop.name : `${at + 1} of ${STOPS.length}: ${stop.name}`)
-  const focused = card.contains(document.activeElement)
+  const held = card.contains(focused())
   Object.assign(dataset, { tour: phase, shows: stop.shows ?? "" })
   card.dataset.phase = (inClass() && me.lesson.phase) || ""
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
@@ -234,7 +234,7 @@ function write() {
   if (phase === "why") writeReason(stop)
   if (phase !== "show" && phase !== "ask") card.append(make("div", { className: "answers ways" }, ...ways()))
   if (phase === "why") card.querySelector(".ways").lastElementChild?.focus({ preventScroll: true })
-  if (focused && !card.contains(document.activeElement))
+  if (held && !card.contains(focused()))
     (card.querySelector(".lead") ?? card.querySelector("button")).focus()
   hideFuture()
 }

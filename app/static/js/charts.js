@@ -2,7 +2,7 @@
 
 import { Chart } from "./chart.js"
 import { isShown, readAgain } from "./colours.js"
-import { by } from "./dom.js"
+import { by, one } from "./dom.js"
 
 export const CURVES = ["forces", "area"] // over the path; features may add one
 export const charts = {} // {name: Chart}
@@ -27,7 +27,7 @@ export const marksOf = (declared) => Object.fromEntries(Object.entries(declared)
     [name, { kind: "marks", marker, size, hollow: mark === "slip", ink: colour, ...none }])))
 
 export function addChart(name, made) {
-  charts[name] = new Chart(document.querySelector(`.view[data-view="${name}"]`), made)
+  charts[name] = new Chart(one(`.view[data-view="${name}"]`), made)
 }
 
 // nodes: {state: how it is drawn}

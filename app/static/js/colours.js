@@ -1,5 +1,7 @@
 // Colours, all of them from style.css, what of the page is visible, and the shades of maps.
 
+import { root } from "./dom.js"
+
 const SHADES = 128, MOST = 4096 // of one sign, at least where the limits are not too different; steps in all
 const LEVELS = 4 // colours of style.css, between which levels are mixed
 
@@ -15,7 +17,7 @@ export function readAgain() {
 }
 
 export const colour = (name) =>
-  (read[name] ??= getComputedStyle(document.documentElement).getPropertyValue(name).trim())
+  (read[name] ??= getComputedStyle(root).getPropertyValue(name).trim())
 
 export function isShown(element) {
   if (!shown.has(element)) shown.set(element, element.checkVisibility())
@@ -34,9 +36,9 @@ export function sizeOf(element) {
 
 // px, of text in figures and on canvases
 export const textSize = () => (
-  read.size ??= Math.floor(TEXT * parseFloat(getComputedStyle(document.documentElement).fontSize)))
+  read.size ??= Math.floor(TEXT * parseFloat(getComputedStyle(root).fontSize)))
 
-export const theme = () => document.documentElement.dataset.theme
+export const theme = () => root.dataset.theme
 
 // Red, green and blue mixed, as an opaque pixel of 32 bits
 export const mixed = (from, to, part) => from.reduce((ink, value, i) => (

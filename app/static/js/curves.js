@@ -1,7 +1,7 @@
 // The curves of the run on screen, into their charts.
 
 import { charts, CURVES, dashLoad } from "./charts.js"
-import { by, tell } from "./dom.js"
+import { all, by, one, tell } from "./dom.js"
 import { differing, digits, fixed, named } from "./quantities.js"
 import { me } from "./store.js"
 
@@ -36,7 +36,7 @@ export const extent = (...lists) => lists.reduce(([a, b], list) => {
 }, [0, 0])
 
 // Whether a run is drawn along the same path as another
-export const drawnAlong = (one, run) => one.sheared >= 0 && one.head.abscissa === run.head.abscissa
+export const drawnAlong = (other, run) => other.sheared >= 0 && other.head.abscissa === run.head.abscissa
 
 const NOTHING = { along: [], value: [] }
 export function drawCurves(run, ghost, approach) {
@@ -51,7 +51,7 @@ export function drawCurves(run, ghost, approach) {
       charts[chart].fill(label, { x, y })
     }
   }
-  document.querySelector(".page").dataset.ghost = ghost !== null
+  one(".page").dataset.ghost = ghost !== null
   nameGhost(run, ghost)
   nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, approach)
@@ -74,7 +74,8 @@ function fitCurves(run, approach, forces, areas) {
   const [start, end] = run.extent(approach), room = start < end ? 0 : 1 // nm, where nothing is walked
   for (const name of CURVES) charts[name].range("x", { start: start - room, end: end + room })
   fit(charts.forces, ...extent([-0.01, 0.02], ...forces.flat()))
-  const all = areas.flatMap((list) => [...list]), least = Math.min(...all), most = Math.max(...all, run.head.spacing)
+  const wide = areas.flatMap((list) => [...list])
+  const least = Math.min(...wide), most = Math.max(...wide, run.head.spacing)
   const from = least > NARROW * most ? least : 0 // a few per cent of peeling must be seen
   fit(charts.area, from, most)
   const begin = from && charts.area.y.start
@@ -88,7 +89,7 @@ function nameGhost({ scene }, ghost) {
   const names = scene && ghost?.scene ? differing(scene, ghost.scene) : []
   const values = names.map((name) => named(name, ghost.scene[name])).join(", ")
   const text = names.length && names.length <= NAMED ? `: ${values}` : ""
-  for (const key of document.querySelectorAll(".key .ghost .of")) tell(key, text)
+  for (const key of all(".key .ghost .of")) tell(key, text)
 }
 
 // Which way each part of a loop is walked: heads of arrows, those of its ways at other places
@@ -112,10 +113,10 @@ function nameAxis(abscissa) {
   if (abscissa === abscissaNamed) return
   abscissaNamed = abscissa
   const event = abscissa === "delta" ? "jump" : "slip", [, label] = AXES[abscissa]
-  for (const word of document.querySelectorAll(".slips")) word.textContent = event
+  for (const word of all(".slips")) word.textContent = event
   const dashed = abscissa !== "delta" // over the same indentation dashes of both ways would fill each other's gaps
   dashLoad(dashed)
-  document.querySelector("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", dashed)
+  one("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", dashed)
   for (const name of CURVES) charts[name].across = label
 }
 

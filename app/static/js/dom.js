@@ -1,6 +1,11 @@
 // Elements of the page, its address, and what the browser keeps of it.
 
-export const by = (id) => document.getElementById(id)
+// What holds this page; in a layout of somebody else's, another element (app/bundle.py)
+export const root = document.documentElement
+export const one = (selector) => root.querySelector(selector)
+export const all = (selector) => root.querySelectorAll(selector)
+export const by = (id) => (id ? one(`#${CSS.escape(id)}`) : null)
+export const focused = () => root.getRootNode().activeElement
 export const on = (id, event, call) => by(id).addEventListener(event, call)
 // Where in a list the number nearest to a value is
 export const closest = (list, value) => (

@@ -1,7 +1,7 @@
 // What is entered and pressed: sliders, entries, buttons, keys, and the mouse on the punch and on the curves.
 
 import { theme } from "./colours.js"
-import { by, closest, on, onDrag, readdress } from "./dom.js"
+import { by, closest, focused, on, onDrag, one, readdress, root } from "./dom.js"
 import { goto, move, play, reset, toggle, toSlip } from "./player.js"
 import { enter, letGo, steer } from "./steer.js"
 import { alone, declared, me, redraw } from "./store.js"
@@ -58,7 +58,7 @@ function connectHand() {
 }
 
 function switchTheme() {
-  document.documentElement.dataset.theme = theme() === "dark" ? "light" : "dark"
+  root.dataset.theme = theme() === "dark" ? "light" : "dark"
   readdress((asked) => asked.set("theme", theme()))
   redraw()
 }
@@ -71,7 +71,7 @@ export const KEYS = {
 }
 
 function onKey(event) {
-  const open = document.querySelector("dialog:modal"), at = (what) => event.target.matches?.(what)
+  const open = one("dialog:modal"), at = (what) => event.target.matches?.(what)
   if (event.key === "Escape" && !open && event.target.closest?.("#panel")) by("menu").focus()
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, held = event.ctrlKey || event.metaKey
   if (key.length === 1 && key !== " " && !lettersAreKeys()) return
@@ -87,25 +87,25 @@ function onKey(event) {
 const hideHint = () => { by("grab").hidden = true }
 
 export function connect() {
-  document.addEventListener("input", hideHint, { once: true })
+  root.addEventListener("input", hideHint, { once: true })
   for (const name in declared.positions) connectSlider(name, declared.positions[name])
-  document.querySelector(".controls").addEventListener("keydown", ({ key }) => {
-    if (key === "Escape" || (key === "Enter" && document.activeElement.matches("input[type=text]")))
-      document.activeElement.blur()
+  one(".controls").addEventListener("keydown", ({ key }) => {
+    if (key === "Escape" || (key === "Enter" && focused().matches("input[type=text]")))
+      focused().blur()
   })
-  document.addEventListener("change", ({ target: entry }) => {
+  root.addEventListener("change", ({ target: entry }) => {
     if (!entry.id.endsWith("-entry")) return
     entry.dataset.given = entry.value
     enter({ [entry.id.replace("-entry", "")]: entry.value })
   })
   // before what the button does: a dialog gives the focus back to what had it, which must not be hidden by then
-  document.querySelector("header").addEventListener("click", (event) => {
+  one("header").addEventListener("click", (event) => {
     if (event.target.id === "menu" || !event.target.closest("button") || !by("menu").checkVisibility()) return
     by("panel").hidePopover()
     by("menu").focus()
   }, true)
   // a button pressed with the mouse gives the keyboard back, so that Space plays whatever was clicked last
-  document.addEventListener("click", ({ detail, target }) => {
+  root.addEventListener("click", ({ detail, target }) => {
     if (detail > 0) target.closest?.("button:not([popovertarget=solver])")?.blur()
   })
   on("play", "click", toggle)
@@ -115,10 +115,10 @@ export function connect() {
   on("help", "click", KEYS["?"])
   on("scrub", "input", (event) => goto(Number(event.target.value)))
   on("speed", "change", (event) => { me.speed = Number(event.target.value) })
-  document.addEventListener("change", ({ target }) => { if (target.matches("[data-plays]")) chosen = target })
-  document.addEventListener("focusout", () => { chosen = null })
+  root.addEventListener("change", ({ target }) => { if (target.matches("[data-plays]")) chosen = target })
+  root.addEventListener("focusout", () => { chosen = null })
   on("theme", "click", switchTheme)
   connectViews()
-  document.addEventListener("keydown", onKey)
+  root.addEventListener("keydown", onKey)
   connectHand()
 }

@@ -2,7 +2,7 @@
 
 import { change, charts, CURVES } from "./charts.js"
 import { settled } from "./curves.js"
-import { by } from "./dom.js"
+import { by, one } from "./dom.js"
 import { fixed } from "./quantities.js"
 import { declared, me } from "./store.js"
 
@@ -82,7 +82,7 @@ const seen = ({ head: { flat, spacing } }, half) => (flat ? Math.min(half, SITES
 export function fitFrames(run) {
   if (me.dragging) return
   const { punch } = charts, { flat } = run.head, half = run.apart ? reach.half : reachOf(run)
-  const { dataset } = document.querySelector(".page"), others = dataset.flat !== `${flat}`
+  const { dataset } = one(".page"), others = dataset.flat !== `${flat}`
   dataset.flat = flat
   if (others) change() // other views are in sight
   const spare = flat || others ? 0 : TAIL

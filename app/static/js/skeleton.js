@@ -108,7 +108,8 @@ export function chunkFrom(skeleton, few = false, U_x = 0) {
   const { head, lowered } = skeleton, { nodes, step, stages } = head, last = Math.floor(head.span[1] / step + 1e-9)
   const every = few ? Math.ceil((last + 1) / FEW) : 1, above = loweredTo(head)
   const places = [...above, ...fewOf(head, last, every, U_x).map((index) => [index, index * step])]
-  const frames = places.length, columns = Object.fromEntries(head.columns.map((name) => [name, new Float32Array(frames)]))
+  const frames = places.length, filled = (name) => [name, new Float32Array(frames)]
+  const columns = Object.fromEntries(head.columns.map(filled))
   const v = new Float64Array(2 * nodes + head.held), gap = v.subarray(nodes, 2 * nodes) // of one increment at a time
   const T_x = new Float64Array(nodes), T_z = new Float64Array(nodes)
   const evaluate = (k) => {

@@ -1,6 +1,6 @@
 // The controls as they show the parameters: sliders, entries and their errors.
 
-import { by, closest, say } from "./dom.js"
+import { by, closest, focused, one, say } from "./dom.js"
 import { digits, minus } from "./quantities.js"
 import { declared, me } from "./store.js"
 
@@ -17,7 +17,7 @@ export function place(name, value) {
 // The depth itself, beside its part of delta_0, unless that was refused
 export function tellDepth(value, refused) {
   const depth = Number(value) * 10 * (me.status.values?.delta_n ?? 1)
-  document.querySelector("[data-name=delta_bar] .unit").textContent = refused ? "" : `= ${digits(depth)} nm`
+  one("[data-name=delta_bar] .unit").textContent = refused ? "" : `= ${digits(depth)} nm`
 }
 
 // Every control as the server sent it; before: the values sent before
@@ -29,7 +29,7 @@ export function describeAll({ values, errors }, before) {
 function describe(name, value, error, before) {
   const entry = by(`${name}-entry`)
   // what was typed stays to be mended, or while it is being typed; a refused choice falls back
-  const settled = document.activeElement !== entry || entry.value === entry.dataset.given
+  const settled = focused() !== entry || entry.value === entry.dataset.given
   if (entry.matches("select") || !error && settled || value !== before) entry.value = value
   entry.setAttribute("aria-invalid", Boolean(error))
   const fresh = error && by(`${name}-error`).textContent !== error

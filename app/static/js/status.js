@@ -2,7 +2,7 @@
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
 import { heard as acknowledged, order, outdated } from "./channel.js"
-import { by, on, say, tell } from "./dom.js"
+import { by, on, one, say, tell } from "./dom.js"
 import { differing, fixed, named } from "./quantities.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
@@ -73,7 +73,7 @@ function checkTruth() {
   const values = names.slice(0, SAID).map((name) => named(name, me.run.scene[name])).join(", ")
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
   const stale = outOfDate(me.picture?.run), mixed = outOfDate(me.charted)
-  Object.assign(document.querySelector(".page").dataset, { mixed, stale })
+  Object.assign(one(".page").dataset, { mixed, stale })
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped

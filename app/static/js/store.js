@@ -2,12 +2,13 @@
 // that are marked draw together: words soon, pictures once in an animation frame, so that all of them are seen.
 
 import { chartsWait, paintCharts } from "./charts.js"
+import { root } from "./dom.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
-export const alone = "alone" in document.documentElement.dataset // a file without a server (app/stage.py)
+export const alone = "alone" in root.dataset // a file without a server (app/stage.py)
 // Whether a part of *More* is in sight: of the page, or because the tour shows it at this stop
-const { dataset } = document.documentElement
+const { dataset } = root
 export const sees = (part) => "more" in dataset || Boolean(dataset.shows?.split(" ").includes(part))
 export const declared = {} // what Python declares, as main.js receives it
 

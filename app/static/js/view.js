@@ -1,10 +1,10 @@
 // The ways to look at the experiment: as it opens, with more in sight, and in large for a lecture hall.
 
 import { CURVES } from "./charts.js"
-import { by, keep, kept, on, readdress } from "./dom.js"
+import { all, by, keep, kept, on, one, readdress, root } from "./dom.js"
 import { redraw, sees } from "./store.js"
 
-const { dataset } = document.documentElement
+const { dataset } = root
 
 // For a lecture hall, or back
 export function project() {
@@ -15,7 +15,7 @@ export function project() {
 
 // More in sight than punch, sentence, forces, sliders and Play, or these alone; kept for the next visit
 export function seeMore() {
-  document.documentElement.toggleAttribute("data-more")
+  root.toggleAttribute("data-more")
   keep("more", sees("more") ? "1" : "0")
   settle()
 }
@@ -48,28 +48,28 @@ export function connectViews() {
   on("projector", "click", project)
   on("more", "click", seeMore)
   on("chosen", "change", (event) => choose(event.target.value))
-  document.querySelector(".views").addEventListener("click", ({ target }) => {
+  one(".views").addEventListener("click", ({ target }) => {
     const curve = CURVES.find((name) => target.closest(`.${name} > figcaption`))
     if (curve && !target.closest("button, label")) choose(curve)
   })
   choose(CURVES[0])
   // in the hand, one slider at a time
   on("one", "change", ({ target }) => {
-    for (const control of document.querySelectorAll(".control"))
+    for (const control of all(".control"))
       control.toggleAttribute("data-shown", control.dataset.name === target.value)
   })
 }
 
 // One of the curves is large
 export function choose(curve) {
-  document.querySelector("main").dataset.chosen = curve
-  for (const name of CURVES) document.querySelector(`.views > .${name}`).toggleAttribute("data-large", name === curve)
-  document.querySelector(`#chosen [value="${curve}"]`).checked = true
+  one("main").dataset.chosen = curve
+  for (const name of CURVES) one(`.views > .${name}`).toggleAttribute("data-large", name === curve)
+  one(`#chosen [value="${curve}"]`).checked = true
   redraw()
 }
 
 export function chooseNext() {
   if (!sees("more")) return
-  const { chosen } = document.querySelector("main").dataset
+  const { chosen } = one("main").dataset
   choose(CURVES[(CURVES.indexOf(chosen) + 1) % CURVES.length])
 }

@@ -1,9 +1,10 @@
 // The words of a scene.
 
+import { one } from "./dom.js"
 import { named } from "./quantities.js"
 import { declared, me } from "./store.js"
 
-const labelOf = (name) => document.querySelector(`label[for="${name}-entry"]`)
+const labelOf = (name) => one(`label[for="${name}-entry"]`)
 export const inWords = (name) => labelOf(name)?.firstChild.textContent.trim() || name
 
 export const titleOf = (preset) => declared.titles[preset] ?? preset
