@@ -20,13 +20,12 @@ if not (HERE := Path(__file__).parent).samefile(app.__path__[0]):  # before anyt
     raise SystemExit(f"{other} Install this one: pip install -e {HERE.parent}")
 
 from app import interface, routes, server_log
-from app.experiment import example, visitors
+from app.experiment import LOOK, example, visitors
 from app.page import shared
 from app.service import metrics, worker
 from app.service.caller import Lost
 from app.service.pool import LATER, NOBODY, pool
 
-LOOK = 1000  # ms between two updates of waiting visitors
 log = logging.getLogger("app")
 server_log.configure()  # before Bokeh logs the first line
 settings.perform_document_validation = False  # a walk through all models at each visit, for developers

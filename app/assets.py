@@ -53,10 +53,9 @@ def styles() -> list[str]:
     return [name for name in files() if name.endswith(".css")] + [STYLE]
 
 
-def scripts(alone: bool = False) -> list[str]:
-    """Return the names of the scripts of features, in their order; alone: of those in a file without a server."""
-    used = [feature for feature, made in interface.classes().items() if made.ALONE or not alone]
-    return [name for name in map(SCRIPT.format, used) if name in files()]
+def scripts(kind: str = interface.PAGE) -> list[str]:
+    """Return the names of the scripts of features, in their order; kind: as of `interface.used`."""
+    return [name for name in map(SCRIPT.format, interface.used(kind)) if name in files()]
 
 
 def needed(*scripts: str) -> set[str]:
@@ -65,8 +64,7 @@ def needed(*scripts: str) -> set[str]:
     while left:
         name = left.pop()
         found.add(name)
-        text = files()[name].read_text(encoding="utf-8")
-        left |= {imported(name, each) for each in IMPORT.findall(text)} - found
+        left |= {imported(name, each) for each in IMPORT.findall(text(name))} - found
     return found
 
 
@@ -80,6 +78,16 @@ def imported(by: str, name: str) -> str:
     return normpath((PurePosixPath(by).parent / name).as_posix())
 
 
+def text(name: str) -> str:
+    """Return the text of a file by its name."""
+    return content(name)[0].decode()
+
+
+def hashed(raw: bytes) -> str:
+    """Return a hash of a content, as it stands in an address."""
+    return hashlib.sha256(raw).hexdigest()[:16]
+
+
 @cache
 def content(name: str | Path) -> tuple[bytes, bytes, str]:
     """Return (content, compressed content, hash) of a name, or of a path of another package."""
@@ -87,4 +95,4 @@ def content(name: str | Path) -> tuple[bytes, bytes, str]:
         raw = b"".join(path.read_bytes() for path in interface.files("style.css"))
     else:
         raw = (name if isinstance(name, Path) else files()[name]).read_bytes()
-    return raw, gzip.compress(raw, 9, mtime=0), hashlib.sha256(raw).hexdigest()[:16]
+    return raw, gzip.compress(raw, 9, mtime=0), hashed(raw)

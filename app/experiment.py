@@ -14,6 +14,7 @@ import panel as pn
 import param
 from bokeh.document import Document
 from bokeh.models import CustomJS, Div
+from panel.viewable import Viewer
 
 from app import document, interface, page
 from app.document import on_loop
@@ -25,11 +26,12 @@ from app.session import controls, orders
 from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
-from app.stage import Stage
+from app.stage import Stage, Wire
 from solver import Scene
 
 pn.config.browser_info = False  # else every document has a component more, which tells of the browser
 log = logging.getLogger("app")
+LOOK = 1000  # ms between two updates of waiting visitors
 OF_THE_RUN = "hello", "scene", "restore", "release", "skip"  # orders without which there is no run
 controls.FOR_SERVER |= interface.names("READS")
 controls.FOR_BROWSER |= interface.names("KEEPS")
@@ -37,19 +39,34 @@ _failed: set[tuple[str, str]] = set()  # (feature, method) that the log has
 visitors = set()  # of this process; Panel's own count is late
 
 
-class Experiment(param.Parameterized):
-    """What one visitor sees and changes. Every method runs under the lock of the visitor's document."""
+class Experiment(Viewer):
+    """What one visitor sees and changes, on a page or in a layout of Panel. `scene` may be watched, bound and set.
+
+    Example: `pn.Column("# A punch", Experiment(Scene(E=100.0)))`
+
+    Every method runs under the lock of the visitor's document.
+    """
 
     scene: Any = param.ClassSelector(class_=Scene, doc="as the controls have it")
     preset = param.String(doc="name of the preset that the scene began with")
     notes = param.List(item_type=str, doc="on how an address, an entry or a file was read")
     errors = param.Dict({}, doc="{parameter: why its entry was refused}")
 
-    def __init__(self, doc: Document, arguments: Any = None, jobs: Jobs = shared_jobs) -> None:
-        scene, preset, notes = controls.scene_from_address(arguments or {})
-        super().__init__(scene=scene, preset=preset, notes=notes)
-        self.doc, self.jobs, self.closed = doc, jobs, False
-        self.stage = Stage()
+    def __init__(
+        self,
+        scene: Scene | None = None,
+        *,
+        doc: Document | None = None,
+        arguments: Any = None,
+        jobs: Jobs = shared_jobs,
+        stage: Wire | None = None,
+    ) -> None:
+        """scene: the first one; else that of the arguments {name: [bytes]} of an address. doc: that of a page."""
+        addressed, preset, notes = controls.scene_from_address(arguments or {})
+        super().__init__(scene=scene or addressed, preset=preset, notes=notes)
+        self.doc, self.jobs, self.closed = doc or pn.state.curdoc, jobs, False
+        self.stage = stage or Stage()
+        self._own = self.scene  # as it was set here: another one was set by somebody else
         self.own = ""  # id of the Stage's model in the document
         self.sent = count(1)  # numbers messages, as a parameter that is set to what it is sends nothing
         self.acknowledged = None  # number of the last order: the browser ignores older values
@@ -58,9 +75,15 @@ class Experiment(param.Parameterized):
         self.pursuit = Pursuit(self)
         self.orders = orders_of(self, self.pursuit, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
+        if doc is None and self.doc is not None:  # on a page of somebody else's
+            self.doc.on_session_destroyed(lambda session_context: self.close())
+            self.doc.add_periodic_callback(on_loop(self.look), LOOK)
         visitors.add(self)
         metrics.count("visits")
         log.info("visitor arrived, now %d", len(visitors))
+
+    def __panel__(self) -> Wire:
+        return self.stage
 
     def close(self) -> None:
         """Cancel every call: the visitor left."""
@@ -152,7 +175,7 @@ class Experiment(param.Parameterized):
         if scene == self.scene:
             self.publish()
         else:
-            self.scene = scene
+            self._own = self.scene = scene
             self.pursuit.request(Request(scene, held, self.acknowledged))
 
     @order("restore", values=orders.is_address)
@@ -164,8 +187,15 @@ class Experiment(param.Parameterized):
     def show(self, scene: Scene, preset: str, notes: Sequence[str] = ()) -> None:
         """Show another scene, based on `preset`, with notes on how it was read."""
         self.tell("replaced")
-        self.scene, self.preset, self.errors, self.notes = scene, preset, {}, [*notes]
+        self._own = self.scene = scene
+        self.preset, self.errors, self.notes = preset, {}, [*notes]
         self.pursuit.request(Request(scene))
+
+    @param.depends("scene", watch=True)
+    def _heed_scene(self) -> None:
+        """Show a scene that somebody has set."""
+        if self.scene is not self._own:
+            self.show(self.scene, self.preset)
 
     @property
     def run(self) -> Run | None:
@@ -207,7 +237,7 @@ def serve() -> None:
     """Add a visitor's Stage to the current document."""
     doc = pn.state.curdoc
     try:
-        experiment = Experiment(doc, pn.state.session_args)
+        experiment = Experiment(doc=doc, arguments=pn.state.session_args, stage=Wire())
         doc.on_session_destroyed(lambda session_context: experiment.close())
         add_to(doc, experiment.stage)
         experiment.own = doc.roots[0].data.id
@@ -217,8 +247,8 @@ def serve() -> None:
         doc.add_root(Div(text="The experiment could not be opened. See the server's log, then reload the page."))
 
 
-def add_to(doc: Document, stage: Stage) -> None:
-    """Add a Stage to a document."""
+def add_to(doc: Document, stage: Wire) -> None:
+    """Add the parameters of the page to a document."""
     with document.frozen(doc):
         stage.server_doc(doc, title=page.TITLE, location=False)
         doc.roots[0].stylesheets = []  # of Panel: the component itself shows nothing
@@ -229,4 +259,4 @@ def add_to(doc: Document, stage: Stage) -> None:
 def example(doc: Document) -> None:
     """Add what a visitor's document has to another one."""
     pn.extension()  # once, as it takes a sixth of what a document does: else scripts of all that Panel knows are loaded
-    add_to(doc, Stage())
+    add_to(doc, Wire())

@@ -42,7 +42,8 @@ from solver import Scene
 from solver.following.skeleton import Skeleton
 
 log = logging.getLogger("app")
-PLAIN = "ORDER", "ALONE", "KEEPS"  # what a feature.py without a class may set itself
+PLAIN = "ORDER", "ALONE", "PAGE", "KEEPS"  # what a feature.py without a class may set itself
+PAGE = "page"  # the first of the kinds of `used`
 NEEDS = re.compile(r"\bNeeds ([\w, ]+)\.")
 
 
@@ -54,7 +55,8 @@ class Feature(Requests):
     """
 
     ORDER = 50  # among the features of a slot: lower ones come first
-    ALONE = False  # whether it is part of a file without a server, too
+    ALONE = False  # whether it is part of a Result that is played without a server, too
+    PAGE = False  # whether it is part of the page only, not of a Stage in a layout of somebody else's
     PARAMS: dict[str, str] = {}  # {parameter of the Stage: what it carries}
     READS: frozenset[str] = frozenset()  # names in an address that the server reads
     KEEPS: frozenset[str] = frozenset()  # names in an address that the page reads
@@ -171,19 +173,25 @@ def folder(name: str) -> Path:
     return next(path for parent in features.__path__ if (path := Path(parent) / name / "feature.py").exists()).parent
 
 
-def files(name: str, alone: bool = False) -> Iterator[Path]:
-    """Yield the files of this name of all features in their order; alone: of those in a file without a server."""
-    for feature, made in classes().items():
+def used(kind: str) -> list[str]:
+    """Return the names of the features in "page", "placed" (in a layout of somebody else's), or "alone" (a Result)."""
+    has = {PAGE: lambda made: True, "placed": lambda made: not made.PAGE, "alone": lambda made: made.ALONE}[kind]
+    return [name for name in classes() if all(has(classes()[each]) for each in [name, *needed(name)])]
+
+
+def files(name: str, kind: str = PAGE) -> Iterator[Path]:
+    """Yield the files of this name of all features in their order; kind: as of `used`."""
+    for feature in used(kind):
         path = folder(feature) / name
-        if (made.ALONE or not alone) and path.exists():
+        if path.exists():
             yield path
 
 
-def filled(template: str, alone: bool = False) -> str:
-    """Return a template with <!-- SLOT --> replaced by what features add there."""
+def filled(template: str, kind: str = PAGE) -> str:
+    """Return a template with <!-- SLOT --> replaced by what features add there; kind: as of `used`."""
 
     def slot(match):
-        return "".join(filled(path.read_text(encoding="utf-8"), alone) for path in files(f"{match[1]}.html", alone))
+        return "".join(filled(path.read_text(encoding="utf-8"), kind) for path in files(f"{match[1]}.html", kind))
 
     return re.sub(r"<!-- (\w+) -->\n?", slot, template)
 

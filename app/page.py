@@ -72,11 +72,11 @@ def shared(document: Callable[[Document], None]) -> Shared:
     return Shared(re.sub(r"<script(?=[ >])", f'<script nonce="{MARK.format("nonce")}"', html), root)
 
 
-def template(alone: bool = False) -> str:
-    """Return the page as a template of Jinja with the blocks postamble and contents; alone: without a server."""
+def template(kind: str = interface.PAGE) -> str:
+    """Return the page as a template of Jinja with the blocks postamble and contents; kind: as of `interface.used`."""
     page, dialogs = ((HERE / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "dialogs.html"))
     page = page.replace("<!-- dialogs -->", dialogs)
-    return interface.filled(page, alone)
+    return interface.filled(page, kind)
 
 
 def values(root: str) -> dict[str, Any]:

@@ -1,21 +1,26 @@
-"""The live page as one component of Panel. Its parameters are all that server and browser tell each other.
+"""The live experiment, or a computed run, as one component of Panel. Its parameters are all that both sides tell.
 
-In a notebook, or as a file, it shows a computed run instead:
-
+    import panel as pn
     from app.stage import Stage
     from solver import Scene, simulate
 
+    pn.Column("# A punch", Stage(simulate(Scene()))).servable()
     Stage(simulate(Scene())).save("punch.html")
+
+`app.experiment.Experiment(Scene())` is one with sliders.
 """
 
 import html
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import param
 from panel.custom import JSComponent
 
-from app import interface, page
+from app import bundle, interface, page
+from app.service import packing, worker
+from app.session import controls
 
 # Panel imports a component's scripts as copies, so this one only hands the model over
 SCRIPT = """
@@ -29,8 +34,8 @@ EMPTY, MAKE = "this Stage has no result", "make it by Stage(simulate(Scene()))"
 Features = type("Features", (param.Parameterized,), interface.params())
 
 
-class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
-    """The punch, its curves, its sliders and its player, drawn by app/static/js; or a Result, to be played.
+class Wire(Features, JSComponent):  # type: ignore[misc, valid-type]
+    """What server and browser tell each other: of the page of this server, which draws itself.
 
     A visitor's browser sets the parameters of the second group, {"n": number, field: value}; `orders.read` checks each
     field where it arrives. Several values of one parameter may arrive as the last one.
@@ -48,12 +53,32 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
     skip = param.Dict({}, doc="end the run and keep its frames")
     restore = param.Dict({}, doc="the scene of an address: values {name: text}")
 
+    _esm = SCRIPT
+    # Panel waits 50 ms for other changes, unless they are of these
+    _priority_changes = ("scene", "hello", "restore", "release", "skip")  # type: ignore[assignment]
+
+
+class Stage(Wire):
+    """The punch, its curves, its sliders and its player, drawn by app/static/js; or a Result, to be played.
+
+    Example: `pn.Column(Stage(simulate(Scene())))`
+    """
+
+    live = param.Boolean(default=True, doc="whether a server answers its sliders; a Result is played alone")
+
+    _bundle = bundle.path()
+
     def __init__(self, result: Any = None, title: str = "", **params: Any) -> None:
         """result: a Result to show, read-only; title: of its file. Raises ValueError for a Result without frames."""
-        super().__init__(**params)
-        self._title = title or page.TITLE
-        made = interface.classes().values() if result is not None else ()
-        self._page = next(filter(None, (feature.page_of(result, self._title) for feature in made)), "")
+        given = played(result) if result is not None else {}
+        super().__init__(**({"sizing_mode": "stretch_width"} | params | given))
+        self._result, self._title = result, title or page.TITLE
+
+    @cached_property
+    def _page(self):
+        """The file of the Result, or an empty text."""
+        made = interface.classes().values() if self._result is not None else ()
+        return next(filter(None, (feature.page_of(self._result, self._title) for feature in made)), "")
 
     def save(self, path: str | Path, *_: Any, **__: Any) -> None:  # type: ignore[override]
         """Write the file of the Result. Raises OSError where it cannot be written, ValueError without a Result."""
@@ -70,6 +95,17 @@ class Stage(Features, JSComponent):  # type: ignore[misc, valid-type]
         framed = FRAME.format(html.escape(self._title), html.escape(self._page))
         return framed if self._page else f"<p>{EMPTY} to show; {MAKE}</p>"
 
-    _esm = SCRIPT
-    # Panel waits 50 ms for other changes, unless they are of these
-    _priority_changes = ("scene", "hello", "restore", "release", "skip")  # type: ignore[assignment]
+
+def played(result: Any) -> dict[str, Any]:
+    """Return the parameters of a Stage that plays a Result. Raises ValueError without frames."""
+    scene, frames = result.scene, list(result.frames)
+    if not frames:
+        raise ValueError("result has no frames; allowed: at least one; compute a longer run")
+    (body,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
+    count = len(frames)
+    run = {"run": 1, "state": "finished", "frames": count, "body": body, "sent": 1}
+    status = {"state": "finished", "run": 1, "frames": count, "total": count, "why": "", "seconds": 0.0, "known": True}
+    status |= {"evaluations": sum(frame.evaluations for frame in frames), "tolerance": scene.tolerance}
+    status |= {"residual": max(frame.residual for frame in frames), "errors": {}, "acknowledged": None}
+    status |= {"values": controls.values_of(scene), "notes": [*result.notes], "cautions": [], "preset": ""}
+    return {"live": False, "run": run, "status": status | {"address": {}, "sent": 2}}

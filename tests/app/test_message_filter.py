@@ -22,7 +22,7 @@ from visitor import OWN, say, waited
 import app
 from app.experiment import Experiment
 from app.session import message_filter, orders
-from app.stage import Stage
+from app.stage import Wire
 
 SCRIPTS = list(Path(app.__file__).parent.rglob("*.js"))
 HELLO = {"do": "hello", "n": 0}
@@ -367,19 +367,19 @@ def test_a_field_of_an_order_may_be_missing_only_if_its_method_has_a_default():
 def test_every_order_that_the_scripts_give_is_declared_and_a_parameter_of_the_stage(session):
     scripts = "".join(path.read_text(encoding="utf-8") for path in SCRIPTS)
     given = set(re.findall(r'\border\((?:on \? )?"(\w+)"', scripts))
-    assert given == session.orders.keys() and given <= {*Stage.param} and len(given) >= 5
+    assert given == session.orders.keys() and given <= {*Wire.param} and len(given) >= 5
 
 
 def test_every_message_that_the_scripts_take_is_a_parameter_of_the_stage(session):
     scripts = "".join(path.read_text(encoding="utf-8") for path in SCRIPTS)
-    own = {name for name, parameter in Stage.param.objects().items() if parameter.owner in OWN}
+    own = {name for name, parameter in Wire.param.objects().items() if parameter.owner in OWN}
     own -= {"name"}
     assert set(re.findall(r'\btake\("(\w+)"', scripts)) == own - session.orders.keys()
 
 
 def test_orders_that_panel_must_not_delay_are_parameters_of_the_stage():
     """`_priority_changes` is Panel's own; without it each slider step would wait 50 ms more."""
-    assert Syncable._priority_changes == [] and {*Stage._priority_changes} <= {*Stage.param}
+    assert Syncable._priority_changes == [] and {*Wire._priority_changes} <= {*Wire.param}
 
 
 @pytest.mark.parametrize("text", ['{"do":"hello","at":1,"n":7}', '{"do":"release","exact":-1,"n":7}'])

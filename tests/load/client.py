@@ -133,7 +133,7 @@ class Tab:
 def wire_of(document):
     """The id of the Stage's parameters in a serialized document; None of a document without a Stage."""
     roots = (root["attributes"] for root in document["roots"])
-    return next((root["data"]["id"] for root in roots if root.get("name") == "Stage"), None)
+    return next((root["data"]["id"] for root in roots if root.get("name") == "Wire"), None)
 
 
 def told(message):

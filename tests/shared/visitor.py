@@ -14,11 +14,11 @@ from app.experiment import Experiment
 from app.service import worker
 from app.service.jobs import Jobs
 from app.service.pool import Task
-from app.stage import Stage
+from app.stage import Wire
 from solver import Scene
 
 SHORT = Scene(u_x_max=6.0)
-OWN = Stage, Stage.__mro__[1]  # the latter has the parameters of features
+OWN = Wire, Wire.__mro__[1]  # the latter has the parameters of features
 PATIENCE = 240  # s; a limit against hanging, not a claim about speed
 
 
@@ -27,8 +27,7 @@ class Page:
 
     def __init__(self, pool, scene=SHORT, arguments=None, jobs=None):
         self.calls, self.chunks = queue.Queue(), []
-        self.session = Experiment(self, arguments, jobs or Jobs(pool))
-        self.session.scene = scene
+        self.session = Experiment(scene, doc=self, arguments=arguments, jobs=jobs or Jobs(pool), stage=Wire())
         self.callbacks, self.messages = self, []  # {kind, ...} but for packed frames and status
         self._change_callbacks = {}  # a document that was destroyed has none
         hear(self.session, self._keep)
@@ -168,7 +167,7 @@ def hear(session, call):
         for event in events:
             call({"kind": event.name} | {name: value for name, value in event.new.items() if name != "sent"})
 
-    own = [name for name, parameter in Stage.param.objects().items() if parameter.owner in OWN and name != "name"]
+    own = [name for name, parameter in Wire.param.objects().items() if parameter.owner in OWN and name != "name"]
     session.stage.param.watch(told, [name for name in own if name not in session.orders])
 
 

@@ -10,7 +10,11 @@ const LOST = 2000 // ms after which a table that did not come is asked for again
 const FACTORS = 6 // of a mode: of sigma_xx, sigma_zz, sigma_xz, each even and odd (tasks.layer_table)
 const BY_SHEAR = [false, false, true] // whether the even factor belongs to T_x, or to T_z
 // Weights of these three
-export const XX = [1, 0, 0], ZZ = [0, 1, 0], XZ = [0, 0, 1], APART = [-1, 1, 0], SHEARED = [0, 0, 2]
+export const XX = [1, 0, 0]
+export const ZZ = [0, 1, 0]
+export const XZ = [0, 0, 1]
+export const APART = [-1, 1, 0]
+export const SHEARED = [0, 0, 2]
 
 // those made last, by what they are of: tables; cosines and sines of modes over places
 const tables = new Map(), waves = new Map()

@@ -110,6 +110,7 @@ def research(name: str) -> Any:
 class Feature(interface.Feature):
     """The pages have the address of the experiment, with a name more."""
 
+    PAGE = True
     READS = frozenset({"lab"})
 
     @classmethod

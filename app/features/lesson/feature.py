@@ -48,6 +48,7 @@ class Class:
 class Feature(interface.Feature):
     """The part of one visitor in a class."""
 
+    PAGE = True
     ORDER = 25
     PARAMS = {
         "lesson": "the class of this visitor: code, stop, phase, answered, counts",

@@ -1,3 +1,5 @@
 // Points are collected from the beginning, also before the page is opened.
 
-export { connectSlips as connect } from "./slips.js"
+import { connectSlips } from "./slips.js"
+
+export const connect = connectSlips

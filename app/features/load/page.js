@@ -48,7 +48,7 @@ export function receive(news) {
 }
 
 const drawn = memory() // what the chart shows
-export { draw as frame }
+export const frame = () => draw()
 function draw() {
   const key = JSON.stringify(me.run?.head.scene), now = points.find((point) => point.key === key)
   if (!drawn(`${points.map((point) => point.key)} ${key}`)) return

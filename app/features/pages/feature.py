@@ -37,6 +37,7 @@ def listed() -> dict[str, Any]:
 class Feature(interface.Feature):
     """The open page of one visitor, if any."""
 
+    PAGE = True
     ORDER = 10
     PARAMS = {
         "page": "opens a page beside the experiment: page",

@@ -37,7 +37,7 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
     if HALF.search(title):
         raise ValueError(f"title = {title!r} has half of a character; allowed: text that UTF-8 can write; correct it")
     (block,) = packing.packed(scene, list(zip(frames, worker.works(scene, frames)[0], strict=True)), True)
-    features = assets.scripts(alone=True)
+    features = assets.scripts("alone")
     alone = {"alone": {"scene": _words(scene), "notes": " ".join(result.notes)}, "features": features}
     values = page.values("") | {
         "title": html.escape(title),
@@ -54,7 +54,7 @@ def page_of(result: Any, title: str = page.TITLE) -> str:
     jinja = Environment(trim_blocks=True, lstrip_blocks=True)
     jinja.globals["base"] = jinja.from_string(BASE)
     jinja.globals["macros"] = jinja.from_string("{% macro embed(root) %}{% endmacro %}")
-    text = jinja.from_string("{% extends base %}\n" + page.template(alone=True)).render(values)
+    text = jinja.from_string("{% extends base %}\n" + page.template("alone")).render(values)
     return re.sub(r'<script type="module" src=[^>]*></script>', "", text)
 
 

@@ -23,6 +23,7 @@ SLOW = "it takes too long here: use python -m solver run"
 class Feature(interface.Feature):
     """The exports of one visitor."""
 
+    PAGE = True
     ORDER = 70
     PARAMS = {
         "share": "asks for the Python lines and the QR code of a link: link",

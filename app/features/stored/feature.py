@@ -16,6 +16,7 @@ PRELOAD = '<link rel="preload" id="stored" as="fetch" crossorigin="anonymous" hr
 class Feature(interface.Feature):
     """The page fetches them as files."""
 
+    PAGE = True
     ORDER = 1
     ALONE = True
 

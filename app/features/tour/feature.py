@@ -1,4 +1,5 @@
 """The tour: nine stops, each with a prediction before the run shows its future. Needs pages, history."""
 
+PAGE = True
 ORDER = 40
 KEEPS = frozenset({"tour"})

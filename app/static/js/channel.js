@@ -18,6 +18,7 @@ export function connect(model) {
   stage = model
   for (const kind in takers) listen(kind)
   if (!first) return
+  for (const kind in takers) if (stage[kind]?.sent) pass(kind) // of a Result, set before it is shown
   order("hello")
   for (const given of early.splice(0)) send(...given)
 }
@@ -29,15 +30,17 @@ function send(what, fields) {
 
 // Messages go to what takes their kind, in the order in which they came
 function listen(kind) {
-  stage.on(kind, () => {
-    const message = stage[kind], [call, unpack] = takers[kind], of = message.run ?? message.frame
-    const pass = ([{ value, reason }]) => {
-      if (reason) return incomplete(kind, of, reason)
-      return of !== undefined && broken[kind] === of ? null : call(value)
-    }
-    const unpacked = unpack ? Promise.race([unpack(message), late(kind)]) : message
-    before = Promise.allSettled([unpacked, before]).then(pass).catch(reportError)
-  })
+  stage.on(kind, () => pass(kind))
+}
+
+function pass(kind) {
+  const message = stage[kind], [call, unpack] = takers[kind], of = message.run ?? message.frame
+  const next = ([{ value, reason }]) => {
+    if (reason) return incomplete(kind, of, reason)
+    return of !== undefined && broken[kind] === of ? null : call(value)
+  }
+  const unpacked = unpack ? Promise.race([unpack(message), late(kind)]) : message
+  before = Promise.allSettled([unpacked, before]).then(next).catch(reportError)
 }
 
 const broken = {} // {kind: its run, or frame of a film, that lost a part: later parts are dropped}

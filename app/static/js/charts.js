@@ -2,11 +2,11 @@
 
 import { Chart } from "./chart.js"
 import { isShown, readAgain } from "./colours.js"
-import { by, one } from "./dom.js"
+import { by, one, root } from "./dom.js"
 
 export const CURVES = ["forces", "area"] // over the path; features may add one
 export const charts = {} // {name: Chart}
-globalThis.charts = charts // for the console, and for tests
+globalThis.charts = root.charts = charts // for the console, and for tests
 const DASHED = [6, 4]
 const SLIP = { kind: "marks", marker: "diamond", size: 9, ink: "--slip", hollow: true } // hollow: peaks stay visible
 export const none = { x: [], y: [] }

@@ -37,6 +37,7 @@ export function say(id, text) {
 let written = location.search
 export const lastSearch = () => written // its text before the browser went back
 export function readdress(change, state = history.state, push = false) {
+  if ("placed" in root.dataset) return // the address is that of somebody else's page
   const address = new URL(location.href)
   change(address.searchParams)
   if (push || address.href !== location.href || state !== history.state)

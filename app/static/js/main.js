@@ -3,7 +3,7 @@
 import * as channel from "./channel.js"
 import { change, charts, makeCharts } from "./charts.js"
 import { connectCurves } from "./curves.js"
-import { by } from "./dom.js"
+import { by, root } from "./dom.js"
 import * as draw from "./draw.js"
 import { connectChart } from "./hover.js"
 import * as inputs from "./inputs.js"
@@ -13,7 +13,9 @@ import * as player from "./player.js"
 import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
 import * as status from "./status.js"
-import { alone, declared, me, view } from "./store.js"
+import { alone, declared, me, redraw, view } from "./store.js"
+
+export const again = redraw // everything, in other colours
 
 // What the server declares: looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
 // {slider: values} and reach (of server_log.py)
@@ -39,7 +41,7 @@ export function start() {
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   me.speed = Number(by("speed").value)
   document.addEventListener("stage", ({ detail }) => connect(detail))
-  if (alone) opened()
+  if (alone || "placed" in root.dataset) opened()
   plugIn(declared.features)
 }
 
@@ -58,7 +60,7 @@ async function plugIn(names) {
 
 // The Stage (app/stage.py) is there: the websocket is open. Panel may render it again, which ends its watchers
 let there = false
-function connect(model) {
+export function connect(model) {
   channel.connect(model)
   if (there) return
   there = true

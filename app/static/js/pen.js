@@ -39,7 +39,7 @@ const INKS = ["page", "text", "soft", "body", "shear", "normal", "slip", "repuls
   "area"]
 export const inks = () => Object.fromEntries(INKS.map((name) => [name, colour(`--${name}`)]))
 
-export { textSize as size } from "./colours.js"
+export const size = textSize
 
 export const font = (scale = 1, bold = false) =>
   `${bold ? "600 " : ""}${Math.round(textSize() * scale)}px system-ui, "Segoe UI", Roboto, sans-serif`

@@ -174,7 +174,7 @@ def test_clicking_several_pages_quickly_draws_only_the_last_one(look):
     page = look()
     ordered = page.evaluate(
         """() => {
-            const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Stage').data
+            const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Wire').data
             window.ordered = []
             stage.properties.page.change.connect(() => ordered.push(stage.page.page))
             for (const name of ["load", "law", "matters", "load", "law"]) {

@@ -35,7 +35,7 @@ def test_a_tour_stop_gives_one_order_for_its_whole_scene(look, stop):
     page = look("?more=0")
     page.evaluate(
         """() => {
-            const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Stage').data
+            const stage = Bokeh.documents[0].roots().find(({ name }) => name === 'Wire').data
             const watch = (name) => stage.properties[name].change.connect(() => ordered.push(name))
             window.watching ??= ["scene", "restore"].map(watch)
             window.ordered = []

@@ -1,0 +1,106 @@
+"""The Stage as one script, for layouts, notebooks and files of others: app/static/js and the features' scripts in it.
+
+Every module is a function of it, and `makeStage(root)` runs each where it is imported first: so each Stage has a store,
+charts and a connection of its own, and its elements below its own root. Bokeh's servers serve the script as that of an
+extension; files and notebooks have its text. `page.py` makes the page of this server from the same modules.
+"""
+
+import json
+import re
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bokeh.embed.bundle import extension_dirs
+from jinja2 import Environment
+
+from app import assets, page
+from app.session.controls import NAMES
+
+NAME = "mixed-mode-contact"  # of the extension
+PLAYED, LIVE = "alone", "placed"  # kinds of a Stage: see `interface.used`
+FROM = r' from "(\.[^"]+)"$'
+IMPORT = re.compile(rf"^import (?:\* as (\w+)|\{{([^}}]+)\}}){FROM}", re.M)
+LATER = re.compile(r"\bimport\(([\"`])(\.[^\"`]+)\1\)")
+EXPORT = re.compile(r"^export (?=(?:const|(?:async )?function\*?|class) (\w+))", re.M)
+ROOT = "export const root = document.documentElement"
+ADDRESSED = 'import(name.startsWith(".") ? new URL(name, document.baseURI).href : name)'
+PLACED = """
+.root { container: stage / inline-size; background: var(--page); color: var(--text); text-align: start; }
+.root .page { height: 44rem; } .root[data-sized], .root[data-sized] .page { height: 100%; min-height: 0; }
+@container stage (width <= 899px) { .root .page { height: auto; min-height: 0; } }
+"""
+_folder = TemporaryDirectory(prefix="stage-")
+extension_dirs[NAME] = Path(_folder.name)
+
+
+@cache
+def path() -> Path:
+    """Return the path of the script, whose name has a hash of its content."""
+    text = script()
+    made = extension_dirs[NAME] / f"stage-{assets.hashed(text.encode())}.js"
+    made.write_text(text, encoding="utf-8")
+    return made
+
+
+@cache
+def script() -> str:
+    """Return the text of the script."""
+    modules = ",\n".join(f"{json.dumps(name)}() {{\n{_body(name)}\n}}" for name in _modules())
+    contents = json.dumps({kind: _style() + _content(kind) for kind in (PLAYED, LIVE)}).replace("</", "<\\/")
+    return f"""const contents = {contents}
+function makeStage($root) {{
+const $made = {{}}, $get = (name) => ($made[name] ??= $modules[name]()), $later = async (name) => $get(name)
+const $modules = {{
+{modules}
+}}
+return $get({json.dumps(assets.MAIN)})
+}}
+{(assets.HERE / "stage.js").read_text(encoding="utf-8")}"""
+
+
+def _modules():
+    """Return the names of all scripts that a Stage may need, at once or later."""
+    found, left = set[str](), {assets.MAIN, *assets.scripts(PLAYED), *assets.scripts(LIVE)}
+    pages = {name for name in assets.files() if name.startswith("features/") and name.endswith("/page.js")}
+    while left:
+        found |= (needed := assets.needed(*left))
+        named = ((by, name) for by in needed for _, name in LATER.findall(assets.text(by)) if "$" not in name)
+        later = {assets.imported(by, name) for by, name in named}
+        left = (later | pages) - found
+    return sorted(found)
+
+
+def _body(name):
+    """Return a module as the body of a function that returns what it exports."""
+    named = lambda other: assets.imported(name, other)  # noqa: E731
+    text = assets.text(name).replace(ROOT, "const root = $root").replace(ADDRESSED, "$later(name)")
+    text = IMPORT.sub(lambda m: f"const {m[1] or _renamed(m[2])} = $get({json.dumps(named(m[3]))})", text)
+    text = LATER.sub(lambda m: f"$later({m[1]}{named(m[2])}{m[1]})", text)
+    exports = EXPORT.findall(text) + ["root"] * ("const root = $root" in text)
+    return f"{EXPORT.sub('', text)}\nreturn {{ {', '.join(exports)} }}"
+
+
+def _renamed(names):
+    """Return what an import takes as the names of a record."""
+    return f"{{{names.replace(' as ', ': ')}}}"
+
+
+def _content(kind):
+    """Return the elements of a Stage of this kind."""
+    values = page.values("") | {"values": dict.fromkeys(NAMES, ""), "places": dict.fromkeys(NAMES, 0)}
+    jinja = Environment(trim_blocks=True, lstrip_blocks=True)
+    jinja.globals["base"] = jinja.from_string("{% block contents %}{% endblock %}")
+    jinja.globals["macros"] = jinja.from_string("{% macro embed(root) %}{% endmacro %}")
+    text = jinja.from_string("{% extends base %}\n" + page.template(kind)).render(values)
+    declared = page.declarations("") | {"features": assets.scripts(kind)}
+    text = re.sub(r"<(script|noscript)\b.*?</\1>\n?", "", text, flags=re.S)
+    return f'{text}<script type="application/json" id="declarations">{json.dumps(declared)}</script>'
+
+
+def _style():
+    """Return the styles, whose sizes are those of the Stage in place of the window's."""
+    text = "\n".join(assets.content(name)[0].decode() for name in assets.styles())
+    text = text.replace(":root", ".root").replace("html, body {", ".root {")
+    text = re.sub(r"@media \(max-width: (\d+px)\)[^{]*", r"@container stage (width <= \1) ", text)
+    return f"<style>{text}{PLACED}</style>"

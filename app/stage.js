@@ -1,0 +1,45 @@
+
+// A Stage of a model of Panel. Rendered again, as by a layout that changes, it moves with all that it shows
+const stages = new WeakMap()
+export function render({ model, data, el }) {
+  if (!stages.has(data)) stages.set(data, made(model, el))
+  const { stage, root } = stages.get(data)
+  el.replaceChildren(root)
+  stage.connect(model)
+}
+
+function made(model, el) {
+  const root = document.createElement("div")
+  root.className = "root"
+  root.tabIndex = -1 // keys are those of the Stage that was pressed last
+  Object.assign(root.dataset, { placed: "", theme: isDark(el) ? "dark" : "light" })
+  root.toggleAttribute("data-alone", !model.live)
+  root.toggleAttribute("data-sized", model.height !== null || /height|both/.test(model.sizing_mode))
+  root.innerHTML = contents[model.live ? "placed" : "alone"]
+  el.append(root) // so that it has a size
+  const stage = makeStage(root)
+  stage.start()
+  follow(root, stage)
+  return { stage, root }
+}
+
+// Whether the page around an element is dark: the first ground behind it that is not transparent
+function isDark(element) {
+  for (let at = element; at; at = at.parentNode ?? at.host) {
+    const ground = at instanceof Element ? getComputedStyle(at).backgroundColor.match(/[\d.]+/g)?.map(Number) : null
+    if (ground && (ground[3] ?? 1) > 0.5) return 0.3 * ground[0] + 0.59 * ground[1] + 0.11 * ground[2] < 128
+  }
+  return false
+}
+
+// Light and dark follow the page, also where it changes
+function follow(root, stage) {
+  const look = () => {
+    const theme = root.parentNode && isDark(root.parentNode) ? "dark" : "light"
+    if (theme === root.dataset.theme) return
+    root.dataset.theme = theme
+    stage.again()
+  }
+  const observer = new MutationObserver(() => setTimeout(look, 500)) // colours may change in a transition
+  for (const element of [document.documentElement, document.body]) observer.observe(element, { attributes: true })
+}
