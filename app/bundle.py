@@ -26,7 +26,9 @@ EXPORT = re.compile(r"^export (?=(?:const|(?:async )?function\*?|class) (\w+))",
 ROOT = "export const root = document.documentElement"
 ADDRESSED = 'import(name.startsWith(".") ? new URL(name, document.baseURI).href : name)'
 PLACED = """
-.root { container: stage / inline-size; background: var(--page); color: var(--text); text-align: start; }
+.root[data-alone] :is(header, #above, #lost, .controls, #grab) { display: none; }
+.root { container: stage / inline-size; font-size: 1rem; }
+.root { background: var(--page); color: var(--text); text-align: start; }
 .root .page { height: 44rem; } .root[data-sized], .root[data-sized] .page { height: 100%; min-height: 0; }
 @container stage (width <= 899px) { .root .page { height: auto; min-height: 0; } }
 """
@@ -37,17 +39,17 @@ extension_dirs[NAME] = Path(_folder.name)
 @cache
 def path() -> Path:
     """Return the path of the script, whose name has a hash of its content."""
-    text = script()
+    text = script(PLAYED, LIVE)
     made = extension_dirs[NAME] / f"stage-{assets.hashed(text.encode())}.js"
     made.write_text(text, encoding="utf-8")
     return made
 
 
 @cache
-def script() -> str:
-    """Return the text of the script."""
-    modules = ",\n".join(f"{json.dumps(name)}() {{\n{_body(name)}\n}}" for name in _modules())
-    contents = json.dumps({kind: _style() + _content(kind) for kind in (PLAYED, LIVE)}).replace("</", "<\\/")
+def script(*kinds: str) -> str:
+    """Return the text of the script; kinds: of the Stages that it draws, PLAYED or LIVE."""
+    modules = ",\n".join(f"{json.dumps(name)}() {{\n{_body(name)}\n}}" for name in _modules(kinds))
+    contents = json.dumps({kind: _content(kind) for kind in kinds} | {"style": _style()}).replace("</", "<\\/")
     return f"""const contents = {contents}
 function makeStage($root) {{
 const $made = {{}}, $get = (name) => ($made[name] ??= $modules[name]()), $later = async (name) => $get(name)
@@ -56,18 +58,19 @@ const $modules = {{
 }}
 return $get({json.dumps(assets.MAIN)})
 }}
-{(assets.HERE / "stage.js").read_text(encoding="utf-8")}"""
+{(assets.HERE / "stage.js").read_text(encoding="utf-8").replace("export const renderer", "const renderer")}
+export const render = renderer(contents, makeStage)
+"""
 
 
-def _modules():
-    """Return the names of all scripts that a Stage may need, at once or later."""
-    found, left = set[str](), {assets.MAIN, *assets.scripts(PLAYED), *assets.scripts(LIVE)}
-    pages = {name for name in assets.files() if name.startswith("features/") and name.endswith("/page.js")}
+def _modules(kinds):
+    """Return the names of all scripts that Stages of these kinds may need, at once or later."""
+    found, left = set[str](), {assets.MAIN}.union(*map(assets.scripts, kinds))
     while left:
         found |= (needed := assets.needed(*left))
         named = ((by, name) for by in needed for _, name in LATER.findall(assets.text(by)) if "$" not in name)
         later = {assets.imported(by, name) for by, name in named}
-        left = (later | pages) - found
+        left = later - found
     return sorted(found)
 
 

@@ -85,11 +85,6 @@ class Feature(Requests):
         """Load code and compute results that later visitors need, once per server, in a thread."""
 
     @classmethod
-    def page_of(cls, result: Any, title: str) -> str:
-        """Return a page with a Result that needs no server; "" if this feature makes none. Raises ValueError."""
-        return ""
-
-    @classmethod
     def scene_of(cls, scene: Scene, entries: dict[str, str], notes: list[str]) -> Scene:
         """Return a scene with what the entries {name: text} of an address change of it; notes get what fails."""
         return scene

@@ -1,21 +1,21 @@
-
 // A Stage of a model of Panel. Rendered again, as by a layout that changes, it moves with all that it shows
 const stages = new WeakMap()
-export function render({ model, data, el }) {
-  if (!stages.has(data)) stages.set(data, made(model, el))
+// contents: elements and styles; makeStage(root): the modules, run for this Stage (app/bundle.py)
+export const renderer = (contents, makeStage) => ({ model, data, el }) => {
+  if (!stages.has(data)) stages.set(data, made(model, el, contents, makeStage))
   const { stage, root } = stages.get(data)
   el.replaceChildren(root)
   stage.connect(model)
 }
 
-function made(model, el) {
+function made(model, el, contents, makeStage) {
   const root = document.createElement("div")
   root.className = "root"
   root.tabIndex = -1 // keys are those of the Stage that was pressed last
   Object.assign(root.dataset, { placed: "", theme: isDark(el) ? "dark" : "light" })
   root.toggleAttribute("data-alone", !model.live)
   root.toggleAttribute("data-sized", model.height !== null || /height|both/.test(model.sizing_mode))
-  root.innerHTML = contents[model.live ? "placed" : "alone"]
+  root.innerHTML = contents.style + contents[model.live ? "placed" : "alone"]
   el.append(root) // so that it has a size
   const stage = makeStage(root)
   stage.start()

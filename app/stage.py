@@ -11,16 +11,17 @@
 """
 
 import html
-from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import param
 from panel.custom import JSComponent
 
-from app import bundle, interface, page
+from app import alone, bundle, interface, page
 from app.service import packing, worker
 from app.session import controls
+from app.session.orders import HALF
+from solver.scene import LIMITS
 
 # Panel imports a component's scripts as copies, so this one only hands the model over
 SCRIPT = """
@@ -69,22 +70,28 @@ class Stage(Wire):
     _bundle = bundle.path()
 
     def __init__(self, result: Any = None, title: str = "", **params: Any) -> None:
-        """result: a Result to show, read-only; title: of its file. Raises ValueError for a Result without frames."""
-        given = played(result) if result is not None else {}
-        super().__init__(**({"sizing_mode": "stretch_width"} | params | given))
-        self._result, self._title = result, title or page.TITLE
+        """result: a Result to show, read-only; title: of its file.
 
-    @cached_property
+        Raises ValueError for a Result without frames, or for a title that no file can hold.
+        """
+        self._title, given = _checked(title or page.TITLE), played(result) if result is not None else {}
+        super().__init__(**({"sizing_mode": "stretch_width"} | params | given))
+
+    @property
     def _page(self):
         """The file of the Result, or an empty text."""
-        made = interface.classes().values() if self._result is not None else ()
-        return next(filter(None, (feature.page_of(self._result, self._title) for feature in made)), "")
+        return "" if self.live else alone.file_of({"run": self.run, "status": self.status}, self._title)
 
-    def save(self, path: str | Path, *_: Any, **__: Any) -> None:  # type: ignore[override]
+    def save(self, filename: str | Path | IO, title: str | None = None, **_: Any) -> None:
         """Write the file of the Result. Raises OSError where it cannot be written, ValueError without a Result."""
-        if not self._page:
+        if title is not None:
+            self._title = _checked(title)
+        if not (text := self._page):
             raise ValueError(f"{EMPTY} to save; {MAKE}")
-        Path(path).write_text(self._page, encoding="utf-8")
+        if isinstance(filename, (str, Path)):
+            Path(filename).write_text(text, encoding="utf-8")
+        else:
+            filename.write(text)
 
     def _repr_mimebundle_(self, *_: Any, **__: Any) -> Any:
         """Return the file in a frame of a notebook."""
@@ -92,8 +99,15 @@ class Stage(Wire):
 
     def _repr_html_(self) -> str:
         """Return the file in a frame of a notebook."""
-        framed = FRAME.format(html.escape(self._title), html.escape(self._page))
-        return framed if self._page else f"<p>{EMPTY} to show; {MAKE}</p>"
+        if not (text := self._page):
+            return f"<p>{EMPTY} to show; {MAKE}</p>"
+        return FRAME.format(html.escape(self._title), html.escape(text))
+
+
+def _checked(title):
+    if HALF.search(title):
+        raise ValueError(f"title = {title!r} has half of a character; allowed: text that UTF-8 can write; correct it")
+    return title
 
 
 def played(result: Any) -> dict[str, Any]:
@@ -108,4 +122,17 @@ def played(result: Any) -> dict[str, Any]:
     status |= {"evaluations": sum(frame.evaluations for frame in frames), "tolerance": scene.tolerance}
     status |= {"residual": max(frame.residual for frame in frames), "errors": {}, "acknowledged": None}
     status |= {"values": controls.values_of(scene), "notes": [*result.notes], "cautions": [], "preset": ""}
-    return {"live": False, "run": run, "status": status | {"address": {}, "sent": 2}}
+    status |= {"address": {}, "words": _words(scene), "sent": 2}
+    return {"live": False, "run": run, "status": status}
+
+
+def _words(scene):
+    """Return the parameters of a Scene that are not the usual ones, in words."""
+    changed = scene.differences().items()
+    return ", ".join(f"{name} = {_value(name, value)}" for name, value in changed) or "the default scene"
+
+
+def _value(name, value):
+    """Return the value of a parameter with its unit."""
+    number = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{number} {LIMITS[name].unit}".rstrip() if name in LIMITS else number

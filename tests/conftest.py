@@ -251,8 +251,9 @@ def session():
 
     from app.experiment import Experiment
     from app.service.jobs import Jobs
+    from app.stage import Wire
 
-    visit = Experiment(Document(), {}, Jobs(NoPool()))
+    visit = Experiment(doc=Document(), jobs=Jobs(NoPool()), stage=Wire())
     visit.doc.add_next_tick_callback = lambda call: ended(call())  # no server: at once
     yield visit
     visit.close()

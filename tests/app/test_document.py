@@ -13,6 +13,7 @@ from visitor import ended, waited
 
 from app import document
 from app.experiment import Experiment
+from app.stage import Wire
 
 
 def test_models_added_in_a_frozen_document_are_known_afterwards():
@@ -39,7 +40,7 @@ def test_panel_knows_the_document_of_what_a_worker_has_caused_to_be_sent():
 
     async def visit():
         doc, known = Document(), asyncio.Queue()
-        experiment = Experiment(doc)
+        experiment = Experiment(doc=doc, stage=Wire())
         experiment.stage.param.watch(lambda change: known.put_nowait(pn.state.curdoc is doc), "status")
         ServerSession("visitor", doc, io_loop=IOLoop.current())
         worker = Thread(target=document.later, args=(doc, lambda: experiment.send("status", run=1)))

@@ -241,7 +241,7 @@ def test_a_run_that_is_known_is_shown_in_place_of_a_check(page, runs):
 
 
 def test_predictions_of_a_wave_are_checked_as_soon_as_the_slider_is_released(page, runs):
-    page.session.scene = page.session.scene.changed(surface="wave")
+    page.session._own = page.session.scene = page.session.scene.changed(surface="wave")
     page.session.pursuit.shown, page.session.pursuit.skeleton = page.session.scene, b"skeleton"
     page.order("release")
     assert page.pool.waiting(skeletons.certified)

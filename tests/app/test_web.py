@@ -107,7 +107,7 @@ def test_token_holds_parameters_and_a_few_names_of_other_arguments(address):
 
 
 def test_a_failed_document_shows_a_message(monkeypatch, caplog):
-    monkeypatch.setattr(experiment, "Experiment", lambda *_: 1 / 0)
+    monkeypatch.setattr(experiment, "Experiment", lambda **_: 1 / 0)
     doc = opened(Document())
     assert "could not be opened" in doc.roots[0].text and "ZeroDivisionError" in caplog.text
 

@@ -6,7 +6,8 @@ import { by, one, root } from "./dom.js"
 
 export const CURVES = ["forces", "area"] // over the path; features may add one
 export const charts = {} // {name: Chart}
-globalThis.charts = root.charts = charts // for the console, and for tests
+globalThis.charts ??= charts // for the console, and for tests
+root.charts = charts
 const DASHED = [6, 4]
 const SLIP = { kind: "marks", marker: "diamond", size: 9, ink: "--slip", hollow: true } // hollow: peaks stay visible
 export const none = { x: [], y: [] }

@@ -116,6 +116,7 @@ function tellState() {
   const { state, seconds } = me.status, { stored, followed, checked, sheared } = me.run ?? {}
   if (stored && state !== "failed") return tellStored(state)
   if (!state) return
+  if (alone) return tellSaved()
   if (followed && (state !== "failed" || me.dragging))
     showState("followed", state === "refining" ? "the exact run comes" : "exact once the slider rests")
   else if (checked && state === "finished") showState("exact", "")
@@ -146,9 +147,14 @@ function showState(shown, text) {
   tell(by("status").querySelector("span"), text)
 }
 
+// A Result that is played: of which scene it is
+function tellSaved() {
+  showState("saved", "")
+  tell(by("look"), me.status.words)
+}
+
 // A run that was computed in advance stands in for the one to come
 function tellStored(state) {
-  if (alone) return showState("saved", "")
   showState("stored", state === "warming" ? gettingReady() : "the computed run follows")
   tell(by("computed"), "This run was computed in advance.")
 }

@@ -7,7 +7,6 @@ import { root } from "./dom.js"
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
 export const alone = "alone" in root.dataset // a Result that is played, without a server (app/stage.py)
-const placed = "placed" in root.dataset // in a layout of somebody else's (app/bundle.py)
 // Whether a part of *More* is in sight: of the page, or because the tour shows it at this stop
 const { dataset } = root
 export const sees = (part) => "more" in dataset || Boolean(dataset.shows?.split(" ").includes(part))
@@ -84,7 +83,7 @@ const defineField = (name) => Object.defineProperty(me, name, { get: () => field
 Object.keys(fields).forEach(defineField)
 // whether something is not drawn yet, for tests
 Object.defineProperty(me, "fresh", { get: () => viewing || painting })
-if (!placed) globalThis.punch = me // for the console, and for tests
+globalThis.punch ??= me // for the console, and for tests
 root.punch = me
 
 let viewing = false, painting = false // whether either is to come

@@ -1,7 +1,5 @@
 """A Result in a file or a notebook: a page that plays without a server."""
 
-import base64
-import re
 import sys
 from pathlib import Path
 
@@ -35,10 +33,9 @@ def test_a_saved_file_and_a_notebook_name_no_machine_address_or_folder(short, tm
     Stage(short).save(tmp_path / "punch.html")
     text = (tmp_path / "punch.html").read_text(encoding="utf-8")
     texts = [text, Stage(short)._repr_html_()]
-    texts += [base64.b64decode(coded).decode("latin-1") for coded in re.findall(r"base64,([\w+/=]+)", text)]
     folders = Path(server_log.__file__).parents[1], sys.prefix, Path.home(), Path.cwd(), tmp_path
     own = [*map(str, folders), *server_log.addresses(), *filter(None, [allowed])]
-    assert len(texts) > 20 and [name for name in own if any(name in each for each in texts)] == []
+    assert [name for name in own if any(name in each for each in texts)] == []
 
 
 def test_a_title_that_no_file_can_hold_is_refused_with_its_value(short):
