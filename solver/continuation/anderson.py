@@ -21,33 +21,34 @@ class Secants:
         self.du = np.zeros((memory, size))
         self.dr = np.zeros((memory, size))
         self.gram = np.zeros((memory, memory))
-        self.rows, self.slot = 0, 0  # pairs kept so far, and where the next one goes
+        self.place = np.zeros(2, int)  # pairs kept so far, and where the next one goes
+        self.work = np.empty((memory + 2, memory))
 
     def push(self, u, r, u_before, r_before) -> None:
         """Keep the pair (u - u_before, r - r_before), (size,) each, in place of the oldest."""
-        self.rows = max(self.rows, self.slot + 1)
-        push(self.du, self.dr, self.gram, self.rows, self.slot, u, r, u_before, r_before)
-        self.slot = (self.slot + 1) % len(self.du)
+        rows, slot = self.place
+        self.place[:] = max(rows, slot + 1), (slot + 1) % len(self.du)
+        push(self.du, self.dr, self.gram, self.place[0], slot, u, r, u_before, r_before)
 
     def move(self, r, smooth=None) -> np.ndarray:
         """The change of u that cancels the residual r (size,) to first order, by the pairs' tangent; a new array.
 
         smooth (array -> array): applied to the part of r outside the span of the pairs; by default it is added as is.
         """
-        move, rest, work = np.zeros(r.size), r.copy(), np.empty((self.rows + 2, self.rows))
-        split(self.du, self.dr, self.gram, r, REGULARISATION, work, move, rest)
+        move, rest = np.zeros(r.size), r.copy()
+        split(self.du, self.dr, self.gram, self.place[0], r, REGULARISATION, self.work, move, rest)
         move += rest if smooth is None else smooth(rest)
         return move
 
     def forget(self) -> None:
         """Drop all pairs."""
-        self.rows = self.slot = 0
+        self.place[:] = 0
 
     def copy(self) -> "Secants":
         """An independent copy."""
         other = Secants.__new__(Secants)
         other.du, other.dr, other.gram = self.du.copy(), self.dr.copy(), self.gram.copy()
-        other.rows, other.slot = self.rows, self.slot
+        other.place, other.work = self.place.copy(), self.work
         return other
 
     def __reduce__(self):

@@ -6,7 +6,7 @@ file it would go on using the old one (tests/cli/test_cold_start.py).
 
 import numpy as np
 
-from .compiled import kernel
+from .compiled import call, kernel
 
 LITTLE = 0.1  # of a vector, left by a projection: its round-off is ten times as large, which is negligible
 
@@ -30,14 +30,13 @@ def push(du, dr, gram, rows, slot, u, r, u_before, r_before) -> None:
 
 
 @kernel
-def split(du, dr, gram, r, eps, work, move, rest) -> None:
+def split(du, dr, gram, rows, r, eps, work, move, rest) -> None:
     """Subtract sum c_j du_j from move and sum c_j dr_j from rest, with the c that minimise |r - sum c_j dr_j|.
 
-    work (rows + 2, rows): scratch. An allocation in a kernel would take longer to compile than the rest of it.
+    work (memory + 2, memory): scratch. An allocation in a kernel would take longer to compile than the rest of it.
     """
-    rows = work.shape[1]
-    c, scale = work[rows], work[rows + 1]
-    _coefficients(dr, gram, r, eps, work, c, scale)
+    c, scale = work[-2], work[-1]
+    _coefficients(dr, gram, rows, r, eps, work, c, scale)
     for j in range(rows):
         _subtract(move, c[j] * scale[j], du[j])
         _subtract(rest, c[j] * scale[j], dr[j])
@@ -50,9 +49,8 @@ def _subtract(total, c, row):
 
 
 @kernel(fastmath={"reassoc", "contract", "nsz"})
-def _coefficients(dr, gram, r, eps, upper, y, d):
+def _coefficients(dr, gram, rows, r, eps, upper, y, d):
     """Least-squares coefficients y d of r in the rows of dr, by Cholesky of the normalised, regularised Gram matrix."""
-    rows = y.size
     for i in range(rows):
         d[i] = 1.0 / np.sqrt(gram[i, i]) if gram[i, i] > 0.0 else 0.0
         y[i] = dot(dr[i], r) * d[i]
@@ -86,6 +84,70 @@ def advance(u, move, bound) -> float:
     for i in range(u.size):
         u[i] += scale * move[i]
     return scale
+
+
+@kernel
+def evaluate(function, context, v, out) -> float:
+    """Fill out (size,) with the residual of v (size,) by a `Problem.compiled`; returns its largest magnitude."""
+    call(function, context, v.ctypes.data, out.ctypes.data)
+    return largest(out)
+
+
+@kernel
+def largest(r) -> float:
+    """The largest magnitude in r, inf where a number is not finite: a maximum passes over nan."""
+    most, total = 0.0, 0.0
+    for i in range(r.size):
+        most = max(most, abs(r[i]))
+        total += r[i]
+    return most if np.isfinite(total) else np.inf
+
+
+@kernel
+def _secant_move(du, dr, gram, rows, eps, work, r, move, rest):
+    """Fill move with the change of v that cancels r, as `anderson.Secants.move` without `smooth`."""
+    for i in range(r.size):
+        move[i], rest[i] = 0.0, r[i]
+    split(du, dr, gram, rows, r, eps, work, move, rest)
+    for i in range(r.size):
+        move[i] += rest[i]
+
+
+@kernel
+def solve(
+    function, context, v, r, worst, tolerance, most, bound, pairs, place, eps, work, chord, arc, direction, room
+) -> tuple:
+    """The Anderson steps of `corrector.Corrector`, in place, by a `Problem.compiled`.
+
+    Returns (largest residual, change of the load, steps). v, r (size,): unknowns and their residual, of magnitude
+    `worst`. pairs: du, dr and gram; place (2,): rows and slot of `anderson.Secants`. chord (size,): empty for a fixed
+    load. room (5, size), work: scratch.
+    """
+    (du, dr, gram), (v_before, r_before, move, rest, response) = pairs, (room[0], room[1], room[2], room[3], room[4])
+    shift, steps, n = 0.0, 0, v.size
+    while not worst <= tolerance and steps < most and np.isfinite(worst):
+        rows, slot, change = place[0], place[1], 0.0
+        _secant_move(du, dr, gram, rows, eps, work, r, move, rest)
+        if chord.size:
+            # v must change by move + change * response when the load does by change: chosen to stay on the arc
+            _secant_move(du, dr, gram, rows, eps, work, direction, response, rest)
+            slope = dot(chord, response)
+            change = (arc - dot(chord, v) - dot(chord, move)) / slope if slope != 0.0 else 0.0
+            for i in range(n):
+                move[i] += change * response[i]
+        for i in range(n):
+            v_before[i], r_before[i] = v[i], r[i]
+        change *= advance(v, move, bound)
+        call(function, context, v.ctypes.data, r.ctypes.data)
+        for i in range(n):
+            r[i] += shift * direction[i]
+        place[0], place[1] = max(rows, slot + 1), (slot + 1) % du.shape[0]
+        push(du, dr, gram, place[0], slot, v, r, v_before, r_before)
+        shift += change
+        for i in range(n):
+            r[i] += change * direction[i]
+        worst, steps = largest(r), steps + 1
+    return worst, shift, steps
 
 
 @kernel
