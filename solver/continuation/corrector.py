@@ -38,7 +38,7 @@ class Corrector:
         self.sharp = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: np.ndarray | None = None  # v of the equilibrium found last
-        self._r, self._room = np.empty(problem.size), np.empty((5, problem.size))
+        self._r, self._room = np.empty(problem.size), np.empty((4, problem.size))
 
     def secants(self) -> Secants:
         """Room for secant pairs of this problem."""
@@ -122,7 +122,7 @@ class Corrector:
 
     def _compiled(self, function, context, v, worst, most, secants, chord, arc):
         """(largest residual, change of the load) after the steps of `_anderson` in one compiled loop, in place."""
-        problem, pairs = self.problem, (secants.du, secants.dr, secants.gram)
+        problem, pairs = self.problem, (secants.sums, secants.dr, secants.gram)
         bounds = problem.tolerance, most, LONGEST * problem.unit
         algebra = pairs, secants.place, REGULARISATION, secants.work
         path = ANY if chord is None else chord, arc, problem.direction

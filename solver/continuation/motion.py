@@ -118,7 +118,7 @@ class Motion:
 
     def swing(self) -> np.ndarray:
         """Amplitudes in y that the modes would reach by their velocities against the layer alone: K^-1/2 u'."""
-        return _applied(self._softness, self.change / self.step)
+        return _applied(self._softness, self.change) / self.step
 
     @cached_property
     def _softness(self):
@@ -164,9 +164,17 @@ def of_blocks(k, function) -> np.ndarray:
 
 
 def _applied(blocks, y):
-    """The product of blocks [[xx, -i c], [i c, zz]] with y (2, modes)."""
-    xx, zz, c = blocks
-    return np.array([xx * y[0] - 1j * c * y[1], zz * y[1] + 1j * c * y[0]])
+    """The product of blocks [[xx, -i c], [i c, zz]] with y (2, modes), a new array."""
+    out = np.empty_like(y)
+    _multiply(blocks, y, out)
+    return out
+
+
+@kernel(fastmath={"contract", "nsz"})
+def _multiply(blocks, y, out):
+    for q in range(y.shape[1]):
+        out[0, q] = _i_less(0j, -blocks[0, q], y[0, q], blocks[2, q], y[1, q])
+        out[1, q] = _i_less(0j, -blocks[1, q], y[1, q], -blocks[2, q], y[0, q])
 
 
 @kernel(fastmath={"contract", "nsz"})
