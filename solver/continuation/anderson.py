@@ -51,7 +51,7 @@ class Secants:
         """An independent copy."""
         other = Secants.__new__(Secants)
         other.sums, other.dr, other.gram = self.sums.copy(), self.dr.copy(), self.gram.copy()
-        other.place, other.work = self.place.copy(), self.work
+        other.place, other.work = self.place.copy(), np.empty_like(self.work)  # threads may use both
         return other
 
     def __reduce__(self):
