@@ -71,7 +71,7 @@ class Equilibrium:
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
         if compiled := self.compiled(s):
             self.contact.evaluated()
-            return evaluate(*compiled, v, out)
+            return evaluate(*compiled, np.ascontiguousarray(v), out)  # addresses say nothing of strides
         displaced_x, displaced_z = self.contact.response(self.surface(v))
         subtract(v, displaced_x, displaced_z, *self.top(v, s), out)
         if self.held:

@@ -186,7 +186,7 @@ def _attract(c, u_x, u_z):
     return T_z
 
 
-def residual(context, v, out):
+def residual(context, v, out) -> None:
     """R of the unknowns at the address v into those at `out`: as `equilibrium.Equilibrium.residual`."""
     c = carray(pointer(context), 1, CONTEXT)[0]
     m, modes = c.size, c.count // 2 + 1
@@ -204,7 +204,7 @@ def residual(context, v, out):
         r[2 * m] = c.scale * (total / c.count - c.pressure)
 
 
-def force(context, y, out):
+def force(context, y, out) -> None:
     """T + K U of the coordinates at the address y into the spectrum, which is at `out`: as `surface.Surface.force`."""
     c = carray(pointer(context), 1, CONTEXT)[0]
     modes = c.count // 2 + 1

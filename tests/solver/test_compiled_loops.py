@@ -93,6 +93,16 @@ def test_contacts_of_several_sizes_used_in_turn_keep_their_data_apart():
             assert np.array_equal(r, expected)
 
 
+def test_unknowns_that_are_not_next_to_each_other_have_the_same_residual():
+    scene = Scene(**SMALL)
+    problem = Equilibrium(Contact(scene, *patch(scene)), sideways(1.0, -scene.delta))
+    v, r, expected = np.zeros((problem.size, 2)), np.empty(problem.size), np.empty(problem.size)
+    v[:, 0] = np.random.default_rng(0).normal(size=problem.size)
+    problem.residual(v[:, 0].copy(), 1.0, expected)
+    problem.residual(v[:, 0], 1.0, r)
+    assert np.array_equal(r, expected)
+
+
 def test_threads_find_the_slips_of_one():
     """Each makes and drops plans while others do."""
     values = [SMALL | {"E": E} for E in (60.0, 70.0, 80.0, 90.0)]
