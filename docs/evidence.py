@@ -132,6 +132,13 @@ COMMANDS = {
         "Counts differ by 1 to 3 % between processors; times are those of this machine.",
         (BENCH + "bench.py", "--quick"),
     ),
+    "start": Entry(
+        "Performance",
+        "Compiled functions",
+        "Processor time of a process that imports the solver and runs a small scene: cold, with nothing compiled, as"
+        " after an installation, and warm.",
+        (BENCH + "start.py",),
+    ),
     "box": Entry(
         "Performance",
         "The slider box",

@@ -2,8 +2,8 @@
 
 problem      the contracts, as Protocols: of a problem, and of the methods that advance its states
 state        an equilibrium, with what the next increment may use of those before it
-compiled     the decorator of compiled functions
-vectors      compiled functions of vectors
+compiled     the decorator of compiled functions, and calls of functions by address
+vectors      compiled functions of vectors, and the loop of Anderson steps
 anderson     secant (Anderson) acceleration of a fixed point
 corrector    from a guess to the equilibrium, at fixed load or at fixed arc length
 rest         whether an equilibrium is stable under the motion; if not, which mode grows, and how fast
@@ -23,4 +23,4 @@ Nothing here knows of contacts: tests run it on problems of one and two unknowns
 
 # Raised by each change after which a run may have other events, states or counts of evaluations: docs/evidence.md is
 # older than the solver where its entries have a smaller number
-NUMERICS = 3
+NUMERICS = 4

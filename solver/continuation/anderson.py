@@ -15,41 +15,45 @@ REGULARISATION = 1e-10
 
 
 class Secants:
-    """The last `memory` pairs (du, dr) of vectors (size,), nm, with the Gram matrix of dr."""
+    """The last `memory` pairs (du, dr) of vectors (size,), nm, with the Gram matrix of dr.
+
+    It keeps sums du + dr in place of du: a step without a preconditioner needs no other rows but these.
+    """
 
     def __init__(self, memory, size):
-        self.du = np.zeros((memory, size))
+        self.sums = np.zeros((memory, size))
         self.dr = np.zeros((memory, size))
         self.gram = np.zeros((memory, memory))
-        self.rows, self.slot = 0, 0  # pairs kept so far, and where the next one goes
+        self.place = np.zeros(2, int)  # pairs kept so far, and where the next one goes
+        self.work = np.empty((memory + 3, memory))
 
     def push(self, u, r, u_before, r_before) -> None:
         """Keep the pair (u - u_before, r - r_before), (size,) each, in place of the oldest."""
-        self.rows = max(self.rows, self.slot + 1)
-        push(self.du, self.dr, self.gram, self.rows, self.slot, u, r, u_before, r_before)
-        self.slot = (self.slot + 1) % len(self.du)
+        rows, slot = self.place
+        self.place[:] = max(rows, slot + 1), (slot + 1) % len(self.sums)
+        push(self.sums, self.dr, self.gram, self.place[0], slot, u, r, u_before, r_before)
 
     def move(self, r, smooth=None) -> np.ndarray:
         """The change of u that cancels the residual r (size,) to first order, by the pairs' tangent; a new array.
 
         smooth (array -> array): applied to the part of r outside the span of the pairs; by default it is added as is.
         """
-        move, rest, work = np.zeros(r.size), r.copy(), np.empty((self.rows + 2, self.rows))
-        split(self.du, self.dr, self.gram, r, REGULARISATION, work, move, rest)
+        move, rest = np.zeros(r.size), r.copy()
+        split(self.sums, self.dr, self.gram, self.place[0], r, REGULARISATION, self.work, move, rest)
         move += rest if smooth is None else smooth(rest)
         return move
 
     def forget(self) -> None:
         """Drop all pairs."""
-        self.rows = self.slot = 0
+        self.place[:] = 0
 
     def copy(self) -> "Secants":
         """An independent copy."""
         other = Secants.__new__(Secants)
-        other.du, other.dr, other.gram = self.du.copy(), self.dr.copy(), self.gram.copy()
-        other.rows, other.slot = self.rows, self.slot
+        other.sums, other.dr, other.gram = self.sums.copy(), self.dr.copy(), self.gram.copy()
+        other.place, other.work = self.place.copy(), np.empty_like(self.work)  # threads may use both
         return other
 
     def __reduce__(self):
         """Pickled, it is empty: pairs are as large as 40 states, and a run finds others within some evaluations."""
-        return Secants, self.du.shape
+        return Secants, self.sums.shape

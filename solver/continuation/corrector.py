@@ -9,9 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .anderson import Secants
+from .anderson import REGULARISATION, Secants
 from .inverse import Inverse
-from .vectors import advance, dot
+from .vectors import advance, dot, solve
+
+ANY = np.empty(0)  # in place of a chord, for a fixed load
 
 MEMORY = 20  # secant pairs; 40 save 3 % of the evaluations, but double the algebra of a step
 LONGEST = 0.15  # units of the problem, largest change of an unknown in one step; longer ones land on other branches
@@ -36,7 +38,7 @@ class Corrector:
         self.sharp = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: np.ndarray | None = None  # v of the equilibrium found last
-        self._r = np.empty(problem.size)
+        self._r, self._room = np.empty(problem.size), np.empty((4, problem.size))
 
     def secants(self) -> Secants:
         """Room for secant pairs of this problem."""
@@ -92,6 +94,10 @@ class Corrector:
         # 100 Anderson steps reached no more equilibria on 13 scenes of the slider box; with an inverse 2 to 10 suffice
         left = 60 if self.sharp is None else 15
         worst = problem.residual(v, s, r)
+        if self._smooth is None and not worst <= problem.tolerance and (compiled := problem.compiled(s)):
+            pairs = self.secants() if secants is None else secants
+            worst, change = self._compiled(*compiled, v, worst, left, pairs, chord, arc)
+            return Solution(v, s + change, worst) if worst <= problem.tolerance else None
         while not worst <= problem.tolerance:  # nan neither is nor becomes a solution
             if left == 0 or not isfinite(worst):
                 return None
@@ -113,3 +119,13 @@ class Corrector:
                 worst = float(np.abs(r).max())
             left -= 1
         return Solution(v, s, worst)
+
+    def _compiled(self, function, context, v, worst, most, secants, chord, arc):
+        """(largest residual, change of the load) after the steps of `_anderson` in one compiled loop, in place."""
+        problem, pairs = self.problem, (secants.sums, secants.dr, secants.gram)
+        bounds = problem.tolerance, most, LONGEST * problem.unit
+        algebra = pairs, secants.place, REGULARISATION, secants.work
+        path = ANY if chord is None else chord, arc, problem.direction
+        worst, change, steps = solve(function, context, v, self._r, worst, *bounds, *algebra, *path, self._room)
+        problem.evaluated(steps)
+        return worst, change

@@ -21,7 +21,7 @@ from math import ceil, log2, sqrt
 
 import numpy as np
 
-from .compiled import kernel
+from .compiled import call, kernel
 
 # With half and twice of each, slips land alike (tests/bench/constants.py). A "closed" node touches springs in
 # registry, where they are stiffest.
@@ -97,17 +97,28 @@ class Motion:
 
     def advance(self, steps) -> None:
         """Make `steps` steps; a force evaluation each."""
+        first = steps if not self._starts else 1
+        self._make(first)
+        if self._starts:  # from rest, the first change is half that of a step
+            self.change *= 0.5
+            self.y -= self.change
+            self._starts = False
+            self._make(steps - first)
+
+    def _make(self, steps):
+        """Make `steps` like steps, in one compiled loop if the dynamics can."""
+        tables = self.dynamics.stiffness, self._keep, self._push
+        compiled = self.dynamics.compiled(self.load)
+        if compiled:
+            _steps(*compiled, steps, self.y, self.change, *tables)
+            self.dynamics.evaluated(steps)
+            return
         for _ in range(steps):
-            force = self.dynamics.force(self.y, self.load)
-            _step(self.y, self.change, force, self.dynamics.stiffness, self._keep, self._push)
-            if self._starts:  # from rest, the first change is half that of a step
-                self.change *= 0.5
-                self.y -= self.change
-                self._starts = False
+            _step(self.y, self.change, self.dynamics.force(self.y, self.load), *tables)
 
     def swing(self) -> np.ndarray:
         """Amplitudes in y that the modes would reach by their velocities against the layer alone: K^-1/2 u'."""
-        return _applied(self._softness, self.change / self.step)
+        return _applied(self._softness, self.change) / self.step
 
     @cached_property
     def _softness(self):
@@ -153,21 +164,44 @@ def of_blocks(k, function) -> np.ndarray:
 
 
 def _applied(blocks, y):
-    """The product of blocks [[xx, -i c], [i c, zz]] with y (2, modes)."""
-    xx, zz, c = blocks
-    return np.array([xx * y[0] - 1j * c * y[1], zz * y[1] + 1j * c * y[0]])
+    """The product of blocks [[xx, -i c], [i c, zz]] with y (2, modes), a new array."""
+    out = np.empty_like(y)
+    _multiply(blocks, y, out)
+    return out
+
+
+@kernel(fastmath={"contract", "nsz"})
+def _multiply(blocks, y, out):
+    for q in range(y.shape[1]):
+        out[0, q] = _i_less(0j, -blocks[0, q], y[0, q], blocks[2, q], y[1, q])
+        out[1, q] = _i_less(0j, -blocks[1, q], y[1, q], -blocks[2, q], y[0, q])
+
+
+@kernel(fastmath={"contract", "nsz"})
+def _i_less(f, a, x, b, z):
+    """f - a x - i b z, of complex f, x and z."""
+    return complex(f.real - a * x.real + b * z.imag, f.imag - a * x.imag - b * z.real)
 
 
 @kernel
+def _steps(function, context, force, steps, y, change, k, keep, push):
+    """That many steps with the force of `Dynamics.compiled`."""
+    for _ in range(steps):
+        call(function, context, y.ctypes.data, force.ctypes.data)
+        _step(y, change, force, k, keep, push)
+
+
+@kernel(fastmath={"contract", "nsz"})
 def _step(y, change, force, k, keep, push):
-    """One step of all modes in place, under the `force` (2, modes) of all but the layer."""
+    """One step of all modes in place, under the `force` (2, modes) of all but the layer.
+
+    Products with i are written in real numbers: Numba would multiply by 0 + i, and not in vector instructions.
+    """
     for q in range(y.shape[1]):
-        x, z = y[0, q], y[1, q]
-        f_x = force[0, q] - k[0, q] * x + 1j * k[2, q] * z
-        f_z = force[1, q] - k[1, q] * z - 1j * k[2, q] * x
-        d_x, d_z = change[0, q], change[1, q]
-        n_x = keep[0, q] * d_x - 1j * keep[2, q] * d_z + push[0, q] * f_x - 1j * push[2, q] * f_z
-        n_z = keep[1, q] * d_z + 1j * keep[2, q] * d_x + push[1, q] * f_z + 1j * push[2, q] * f_x
+        x, z, d_x, d_z = y[0, q], y[1, q], change[0, q], change[1, q]
+        f_x = _i_less(force[0, q], k[0, q], x, -k[2, q], z)
+        f_z = _i_less(force[1, q], k[1, q], z, k[2, q], x)
+        n_x = _i_less(_i_less(0j, -keep[0, q], d_x, keep[2, q], d_z), -push[0, q], f_x, push[2, q], f_z)
+        n_z = _i_less(_i_less(0j, -keep[1, q], d_z, -keep[2, q], d_x), -push[1, q], f_z, -push[2, q], f_x)
         change[0, q], change[1, q] = n_x, n_z
-        y[0, q] += n_x
-        y[1, q] += n_z
+        y[0, q], y[1, q] = x + n_x, z + n_z

@@ -79,6 +79,15 @@ class Dynamics(Protocol):
     def force(self, y, s) -> np.ndarray:
         """T + K U in the coordinates y, complex (2, modes), a buffer."""
 
+    def compiled(self, s) -> tuple | None:
+        """The force under the load s for compiled loops, until the next call: (function, context, out), or None.
+
+        The function (context, y, out) fills out, complex (2, modes), and no other array; arguments are addresses.
+        """
+
+    def evaluated(self, times: int) -> None:
+        """As of Problem."""
+
     def interface(self, v) -> float:
         """The largest stiffness of the interaction in v, GPa/nm: a bound on |dT/du| by row sums."""
 
@@ -93,6 +102,15 @@ class Problem(Protocol):
 
     def residual(self, v, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude."""
+
+    def compiled(self, s) -> tuple[int, int] | None:
+        """The residual under the load s for compiled loops, until the next call: (function, context), addresses.
+
+        The function (context, v, out) fills out (size,); `vectors.evaluate` calls it. None: there is no such function.
+        """
+
+    def evaluated(self, times: int) -> None:
+        """Count evaluations by `compiled`; it may raise to end the increment."""
 
     def hold(self, v, s) -> None:
         """Raise NotConverged if the state v of a motion under the load s can lead to no equilibrium."""

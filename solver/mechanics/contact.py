@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import cohesive_law
+from . import cohesive_law, kernels
 from .cohesive_law import traction
 from .layer import Convolution, Modes
 
@@ -12,51 +12,56 @@ REACH = 25.0  # delta_n: farther apart, a spring pulls with less than 25 exp(-25
 class Contact:
     """The patch of `size` neighbouring nodes from node `first` on; counts its force evaluations.
 
-    Nodes outside carry no traction; the tractions of the patch displace them. `observe()` is called at every
-    evaluation, in a motion with (surface, y, load); it may raise to end the increment. Owns its buffers: two threads
-    need two objects.
+    Nodes outside carry no traction; the tractions of the patch displace them. `observe()` is called after evaluations,
+    of which compiled loops make several; it may raise to end the increment. If it has a true attribute `every_step`, it
+    is called at every step of a motion, with (surface, y, load). Owns its buffers: two threads need two objects.
 
-    Attributes: part, the slice of the patch in the cell; modes of the layer.
+    Attributes: part, the slice of the patch in the cell; modes of the layer; layer, its Convolution; law, work: as of
+    `kernels`.
     """
 
     def __init__(self, scene, first, size):
         self.scene, self.first, self.size, self.nodes = scene, first, size, scene.nodes
         self.part = slice(first, first + size)
         self.profile = np.ascontiguousarray(scene.profile[self.part])
-        self.law, self._work = cohesive_law.law_constants(scene), np.empty((cohesive_law.WORK, size))
+        self.law, self.work = cohesive_law.law_constants(scene), np.empty((cohesive_law.WORK, size))
         self.modes = Modes.of(scene)
-        self._layer = Convolution(self.modes, size)
+        self.layer = Convolution(self.modes, size)
         self.evaluations, self.observe = 0, None
 
-    def evaluated(self, *moving) -> None:
-        """Count a force evaluation, with the state of a motion; raises what `observe` raises."""
-        self.evaluations += 1
+    def evaluated(self, *moving, times=1) -> None:
+        """Count force evaluations, with the state of a motion; raises what `observe` raises."""
+        self.evaluations += times
         if self.observe:
             self.observe(*moving)
 
     def response(self, u) -> np.ndarray:
         """C T(u), (2, size) nm, of u (2, size) nm: one force evaluation; a buffer, valid until the next."""
         self.evaluated()
-        self.traction(u, self._layer.field)
-        self._layer.apply()
-        return self._layer.product
+        self.traction(u, self.layer.field)
+        self.layer.apply()
+        return self.layer.product
 
     @property
     def last_traction(self) -> np.ndarray:
         """T (2, size) of the last `response`, GPa; its buffer."""
-        return self._layer.field
+        return self.layer.field
 
     def traction(self, u, out=None) -> np.ndarray:
         """T(u), (2, size) GPa: `out`, or a new array."""
         out = np.empty((2, self.size)) if out is None else out
-        cohesive_law.tractions(u, self.profile, self.law, self._work, out)
+        cohesive_law.tractions(u, self.profile, self.law, self.work, out)
         return out
 
     def tangents(self, u) -> np.ndarray:
         """dT/du of every node, rows as in `cohesive_law.tangents`, (4, size) GPa/nm; a new array."""
         tangents = np.empty((4, self.size))
-        cohesive_law.tangents(u, self.profile, self.law, self._work, tangents)
+        cohesive_law.tangents(u, self.profile, self.law, self.work, tangents)
         return tangents
+
+    def stiffest(self, u) -> float:
+        """The largest sum of magnitudes in a row of dT/du of any node, GPa/nm; nan if one is."""
+        return kernels.stiffest(u[0], u[1], self.profile, self.law, self.work)
 
     def pressure(self, T_z) -> float:
         """Mean over the cell, GPa, of normal tractions (size,) GPa."""
@@ -65,9 +70,9 @@ class Contact:
     def comply(self, T) -> np.ndarray:
         """C T, (2, size) nm, of T (2, size) GPa; a buffer; counts as a force evaluation, without exponentials."""
         self.evaluated()
-        self._layer.field[:] = T
-        self._layer.apply()
-        return self._layer.product
+        self.layer.field[:] = T
+        self.layer.apply()
+        return self.layer.product
 
     def distance(self, u) -> float:
         """The smallest gap, nm."""

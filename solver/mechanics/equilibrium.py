@@ -10,8 +10,9 @@ from copy import copy
 
 import numpy as np
 
-from ..continuation.compiled import kernel
 from ..continuation.state import PulledOff
+from ..continuation.vectors import evaluate, largest
+from .kernels import Callback, residual, subtract
 from .linearised import Linearised
 from .surface import Surface
 
@@ -32,7 +33,10 @@ class Equilibrium:
         along_x, along_z = loading.direction
         self.direction = self._unknowns(along_x, 0.0 if self.held else along_z, 0.0)
         self.scale = max(float(contact.modes.compliance[1, 0]), scene.delta_n**2 / scene.phi_n)  # nm/GPa
-        self._motion = None
+        self._motion, self._residual = None, None
+        if contact.layer.fft.plans:
+            held = {"held": self.held, "scale": self.scale, "pressure": pressure or 0.0}
+            self._residual = Callback(residual, contact, contact.layer.fft, 0, contact.layer.blocks, **held)
 
     def solved_to(self, tolerance) -> "Equilibrium":
         """The same problem with another tolerance, nm."""
@@ -65,12 +69,22 @@ class Equilibrium:
 
     def residual(self, v, s, out) -> float:
         """Fill out (size,) with R, nm; returns its largest magnitude. One force evaluation."""
+        if compiled := self.compiled(s):
+            self.contact.evaluated()
+            return evaluate(*compiled, np.ascontiguousarray(v), out)  # addresses say nothing of strides
         displaced_x, displaced_z = self.contact.response(self.surface(v))
-        worst = _residual(v, displaced_x, displaced_z, *self.top(v, s), out)
-        if not self.held:
-            return worst
-        out[-1] = self.scale * (self.contact.pressure(self.contact.last_traction[1]) - self.pressure)
-        return max(worst, abs(out[-1]))
+        subtract(v, displaced_x, displaced_z, *self.top(v, s), out)
+        if self.held:
+            out[-1] = self.scale * (self.contact.pressure(self.contact.last_traction[1]) - self.pressure)
+        return largest(out)
+
+    def compiled(self, s) -> tuple[int, int] | None:
+        """As of `continuation.problem.Problem`."""
+        return self._residual and self._residual.at(*self.loading.at(s))
+
+    def evaluated(self, times) -> None:
+        """Count force evaluations of compiled loops."""
+        self.contact.evaluated(times=times)
 
     def traction(self, v) -> np.ndarray:
         """T (2, m), GPa; a new array."""
@@ -115,14 +129,3 @@ class Equilibrium:
         if self._motion is None:
             self._motion = Surface(self)
         return self._motion
-
-
-@kernel
-def _residual(v, displaced_x, displaced_z, top_x, top_z, out):
-    largest, total, m = 0.0, 0.0, displaced_x.size
-    for i in range(m):
-        out[i] = top_x + displaced_x[i] - v[i]
-        out[m + i] = top_z + displaced_z[i] - v[m + i]
-        largest = max(largest, abs(out[i]), abs(out[m + i]))
-        total += out[i] + out[m + i]
-    return largest if np.isfinite(total) else np.inf  # a maximum passes over nan

@@ -6,16 +6,15 @@ has K_xz = -i K_c and K_zx = +i K_c; the compliance C has the opposite signs.
 
 from functools import cached_property, lru_cache
 from math import factorial
-from threading import Lock
 
 import numpy as np
 import pyfftw
 
-from ..continuation.compiled import kernel
+from .fftw import planning, plans
+from .kernels import multiply
 
 # Powers in the series of sinh y - y: for y <= 1, the next one is below round-off
 ODD = range(3, 22, 2)
-_planning = Lock()  # FFTW's planner is not thread-safe
 
 
 def stiffness(q, height, E, nu) -> np.ndarray:
@@ -101,15 +100,30 @@ class Transform:
 
     forward() fills spectrum from field. backward() fills product, times length, and destroys spectrum. FFTW plans by
     its estimate: what measured plans save is within the noise of a run's time.
+
+    Attributes: plans, those by address for compiled loops; None where only pyFFTW can execute them.
     """
 
     def __init__(self, length):
-        with _planning:
+        with planning:
             self.field, self.product = pyfftw.zeros_aligned((2, length)), pyfftw.zeros_aligned((2, length))
             self.spectrum = pyfftw.zeros_aligned((2, length // 2 + 1), dtype=complex)
-            self.forward = _plan(self.field, self.spectrum, "FFTW_FORWARD")
-            self.backward = _plan(self.spectrum, self.product, "FFTW_BACKWARD", "FFTW_DESTROY_INPUT")
+            self.plans = plans(self.field, self.spectrum, self.product)
+            if self.plans:
+                self.forward, self.backward = self.plans.forward, self.plans.backward
+            else:
+                self.forward = _plan(self.field, self.spectrum, "FFTW_FORWARD")
+                self.backward = _plan(self.spectrum, self.product, "FFTW_BACKWARD", "FFTW_DESTROY_INPUT")
             self.field[:] = 0.0  # planning may overwrite it
+
+    def apply(self, blocks) -> None:
+        """Fill product from field, with its spectrum times blocks, as of `kernels.multiply`."""
+        if self.plans:
+            self.plans.respond(self.spectrum, blocks)
+            return
+        self.forward()
+        multiply(self.spectrum, blocks)
+        self.backward()
 
 
 def _plan(source, target, direction, *flags):
@@ -121,27 +135,14 @@ class Convolution:
 
     Owns its buffers: two threads need two objects.
 
-    Attributes: field, tractions (2, size) GPa, to be filled; product, displacements (2, size) nm, after `apply`.
+    Attributes: field, tractions (2, size) GPa, to be filled; product, displacements (2, size) nm, after `apply`; fft,
+    blocks (3, modes), nm/GPa over the count of nodes: the Transform and the compliance that give it.
     """
 
     def __init__(self, modes, size):
-        self._blocks, self._fft = modes.compliance / modes.nodes, Transform(modes.nodes)
-        self.field, self.product = self._fft.field[:, :size], self._fft.product[:, :size]
+        self.blocks, self.fft = modes.compliance / modes.nodes, Transform(modes.nodes)
+        self.field, self.product = self.fft.field[:, :size], self.fft.product[:, :size]
 
     def apply(self) -> None:
         """Fill product with C field."""
-        self._fft.forward()
-        multiply(self._fft.spectrum, self._blocks)
-        self._fft.backward()
-
-
-@kernel
-def multiply(spectrum, c) -> None:
-    """Multiply spectrum (2, modes) in place by blocks [[xx, i c], [-i c, zz]], c (3, modes) with rows xx, zz, c.
-
-    These are the signs of a compliance: of a stiffness pass -c.
-    """
-    for k in range(spectrum.shape[1]):
-        x, z = spectrum[0, k], spectrum[1, k]
-        spectrum[0, k] = complex(c[0, k] * x.real - c[2, k] * z.imag, c[0, k] * x.imag + c[2, k] * z.real)
-        spectrum[1, k] = complex(c[1, k] * z.real + c[2, k] * x.imag, c[1, k] * z.imag - c[2, k] * x.real)
+        self.fft.apply(self.blocks)

@@ -7,7 +7,8 @@ import numpy as np
 
 from ..continuation.motion import of_blocks
 from . import cohesive_law
-from .layer import Modes, Transform, multiply
+from .kernels import Callback, force
+from .layer import Modes, Transform
 
 SIGNS = np.array([[1.0], [1.0], [-1.0]])  # K_xz = -i K_c, but C_xz = +i C_c
 
@@ -30,6 +31,8 @@ class Surface:
             self.stiffness = self.stiffness.copy()
             self.stiffness[1, 0] = 0.0
         self._fft = Transform(self.count)
+        plans, first = self._fft.plans, self.contact.first
+        self._force = plans and Callback(force, self.contact, self._fft, first, self.compliance)
 
     def start(self, v, s) -> np.ndarray:
         """y, complex (2, modes), of the surface at rest in v under the load s."""
@@ -57,12 +60,24 @@ class Surface:
         self.contact.evaluated(self, y, s)
         self.contact.traction(self._displacement(y), self._fft.field[:, self.patch])
         self._fft.forward()
-        U_x, U_z = self.problem.loading.at(s)
-        self._fft.spectrum[0, 0] += self.stiffness[0, 0] * U_x * self.count
-        self._fft.spectrum[1, 0] += self.stiffness[1, 0] * U_z * self.count
-        if self.problem.held:
-            self._fft.spectrum[1, 0] -= self.problem.pressure * self.count
+        self._fft.spectrum[:, 0] += self._by_top(s)
         return self._fft.spectrum
+
+    def _by_top(self, s):
+        """(x, z), what the top adds to the force on the uniform mode; a held load adds to that along z."""
+        U_x, U_z = self.problem.loading.at(s)
+        x, z = self.stiffness[0, 0] * U_x * self.count, self.stiffness[1, 0] * U_z * self.count
+        return x, z - self.problem.pressure * self.count if self.problem.held else z
+
+    def compiled(self, s) -> tuple | None:
+        """As of `continuation.problem.Dynamics`; None while each step of a motion is observed."""
+        if not self._force or getattr(self.contact.observe, "every_step", False):
+            return None
+        return *self._force.at(*self._by_top(s)), self._fft.spectrum
+
+    def evaluated(self, times) -> None:
+        """Count force evaluations of compiled loops."""
+        self.contact.evaluated(times=times)
 
     @cached_property
     def operators(self) -> tuple[np.ndarray, np.ndarray]:
@@ -82,16 +97,13 @@ class Surface:
     def through(self, field, blocks) -> np.ndarray:
         """A field (2, nodes) times one of the `operators`; a buffer."""
         self._fft.field[:] = field
-        self._fft.forward()
-        multiply(self._fft.spectrum, blocks)
-        self._fft.backward()
+        self._fft.apply(blocks)
         self._fft.field[:] = 0.0  # `force` fills the patch alone
         return self._fft.product
 
     def interface(self, v) -> float:
         """The largest stiffness of the interface in v, GPa/nm: a bound on dT/du by row sums."""
-        t = np.abs(self.contact.tangents(self.problem.surface(v)))
-        return float(max((t[0] + t[1]).max(), (t[2] + t[3]).max()))
+        return self.contact.stiffest(self.problem.surface(v))
 
 
 def least_modulus(scene) -> float:

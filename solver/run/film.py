@@ -31,6 +31,8 @@ def through(scene: Scene, checkpoint: Checkpoint, most: int = 60, limit: float =
 class Camera:
     """Observes evaluations: keeps states (problem, v, load) of every motion, and calls `late`, unless None."""
 
+    every_step = True  # of a motion
+
     def __init__(self, late):
         self.reels, self._late, self._y = [], late, None
 

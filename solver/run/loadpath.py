@@ -130,9 +130,9 @@ class Run:
     def frames(self, checkpoint=None, limit=inf, observe=None, whole=inf) -> Iterator[tuple[Frame, Checkpoint]]:
         """Yield each Frame that follows a Checkpoint (None: the first ones) with the Checkpoint after it.
 
-        limit, whole: s of processor time for an increment, and for all of them. observe: a function called at every
-        force evaluation, which may raise to end the run. Raises as `next_frame`, SceneError for the Checkpoint of
-        another scene.
+        limit, whole: s of processor time for an increment, and for all of them. observe: a function called after force
+        evaluations, as of `mechanics.contact.Contact`, which may raise to end the run. Raises as `next_frame`,
+        SceneError for the Checkpoint of another scene.
         """
         checkpoint = checkpoint or Checkpoint()
         refuse_other(self.scene, checkpoint.scene, "checkpoint")

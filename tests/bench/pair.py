@@ -21,6 +21,9 @@ from scenes import options, write
 HERE = Path(__file__).resolve().parents[2]
 SCENES = {  # name: (parameters, options of `simulate`)
     "default": ({}, {}),
+    "depth 1": ({"delta_bar": 1.0}, {}),
+    "ratio 2": ({"phi_ratio": 2.0}, {}),
+    "weak": ({"phi_ratio": 0.02}, {}),
     "rough": ({"surface": "rough"}, {}),
     "held": ({"hold": "load"}, {}),
     "load": ({}, {"load": 10.0}),

@@ -26,6 +26,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "rests": (["--scenes", "2", "--jobs", "1"], "slips located"),
     "sensitivities": (["--scenes", "1"], "derivatives"),
     "skeletons": (["--scenes", "1"], "error of F_s"),
+    "start": (["--repeats", "1"], ", 0 compiled\n"),  # whatever was compiled is kept
     "visit": (["--visits", "1"], "largest contentful paint"),
 }
 

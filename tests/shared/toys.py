@@ -32,6 +32,12 @@ class Toy:
         out[:] = s * self.direction + self.T(v) / self.k - v
         return float(np.abs(out).max())
 
+    def compiled(self, s):
+        return None
+
+    def evaluated(self, times):
+        self.evaluations += times
+
     def hold(self, v, s):
         pass
 
@@ -76,6 +82,12 @@ class Node:
         force = self.start(self.problem.T(self.unknowns(y)), s)
         force[0, 0] += self.problem.k * s
         return force
+
+    def compiled(self, s):
+        return None
+
+    def evaluated(self, times):
+        pass
 
     def interface(self, v):
         return float(np.abs(self.problem.J(v)).sum(axis=1).max())

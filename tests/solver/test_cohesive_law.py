@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from solver import Scene
-from solver.mechanics.cohesive_law import DEEPEST, tangent, traction
+from solver.mechanics.cohesive_law import tangent, traction
+from solver.mechanics.kernels import DEEPEST
 
 SCENES = [
     Scene(),

@@ -15,7 +15,7 @@ HERE = Path(solver.__file__).parent
 ROOMS = ["mechanics", "continuation", "run", "following"]
 CORE = ["schema.py", "surfaces.py", "scene.py", "text.py", "profile.py", *ROOMS]
 REPORTS = {"analysis", "accuracy"}
-NUMERICS = {"numpy", "scipy", "numba", "pyfftw"}
+NUMERICS = {"numpy", "scipy", "numba", "llvmlite", "pyfftw"}  # llvmlite belongs to Numba
 STANDARD = sys.stdlib_module_names
 
 
