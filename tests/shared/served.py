@@ -71,16 +71,16 @@ FAULTS = """() => {
 class Server:
     """`panel serve app` on a free port, or a given one, with what it logs; environment: further variables.
 
-    root: a repository, or a copy of it.
+    root: a repository, or a copy of it; what: a file in place of the app.
     """
 
-    def __init__(self, prefix="", port=None, root=ROOT, **environment):
+    def __init__(self, prefix="", port=None, root=ROOT, what="app", **environment):
         self.port = port
         if port is None:
             with socket.socket() as probe:
                 probe.bind(("127.0.0.1", 0))
                 self.port = probe.getsockname()[1]
-        command = [Path(sys.executable).parent / "panel", "serve", "app", "--port", str(self.port)]
+        command = [Path(sys.executable).parent / "panel", "serve", what, "--port", str(self.port)]
         quick = ["--unused-session-lifetime", "1000", "--check-unused-sessions", "500"]  # ms, closed tabs
         self.process = subprocess.Popen(
             [*command, *quick, "--prefix", prefix],
@@ -93,7 +93,7 @@ class Server:
         self.lines, self.news = [], threading.Condition()
         threading.Thread(target=self._listen, daemon=True).start()
         self.origin = f"http://localhost:{self.port}"
-        self.address = f"{self.origin}{prefix}/app"
+        self.address = f"{self.origin}{prefix}/{Path(what).stem}"
 
     def _listen(self):
         for line in self.process.stdout:
