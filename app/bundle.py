@@ -30,6 +30,7 @@ PLACED = """
 .root { container: stage / inline-size; font-size: 1rem; }
 .root { background: var(--page); color: var(--text); text-align: start; }
 .root .page { height: 44rem; } .root[data-sized], .root[data-sized] .page { height: 100%; min-height: 0; }
+.root[data-sized] { overflow: auto; container-type: size; }
 @container stage (width <= 899px) { .root .page { height: auto; min-height: 0; } }
 """
 _folder = TemporaryDirectory(prefix="stage-")
@@ -104,6 +105,6 @@ def _content(kind):
 def _style():
     """Return the styles, whose sizes are those of the Stage in place of the window's."""
     text = "\n".join(assets.content(name)[0].decode() for name in assets.styles())
-    text = text.replace(":root", ".root").replace("html, body {", ".root {")
+    text = text.replace("dvh", "cqh").replace(":root", ".root").replace("html, body {", ".root {")
     text = re.sub(r"@media \(max-width: (\d+px)\)[^{]*", r"@container stage (width <= \1) ", text)
     return f"<style>{text}{PLACED}</style>"
