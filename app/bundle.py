@@ -6,6 +6,7 @@ extension; files and notebooks have its text. `page.py` makes the page of this s
 """
 
 import json
+import logging
 import re
 from functools import cache
 from pathlib import Path
@@ -33,16 +34,22 @@ PLACED = """
 .root[data-sized] { overflow: auto; container-type: size; }
 @container stage (width <= 899px) { .root .page { height: auto; min-height: 0; } }
 """
-_folder = TemporaryDirectory(prefix="stage-")
-extension_dirs[NAME] = Path(_folder.name)
+log = logging.getLogger("app")
+_folders = list[TemporaryDirectory]()  # which end with this process
 
 
 @cache
-def path() -> Path:
-    """Return the path of the script, whose name has a hash of its content."""
+def path() -> Path | None:
+    """Return the path of the script, whose name has a hash of its content; None where no folder can be written."""
     text = script(PLAYED, LIVE)
-    made = extension_dirs[NAME] / f"stage-{assets.hashed(text.encode())}.js"
-    made.write_text(text, encoding="utf-8")
+    try:
+        _folders.append(TemporaryDirectory(prefix="stage-"))
+        made = Path(_folders[-1].name) / f"stage-{assets.hashed(text.encode())}.js"
+        made.write_text(text, encoding="utf-8")
+    except OSError as error:
+        log.warning("a Stage in a layout stays empty: its script cannot be written: %s", error)
+        return None
+    extension_dirs[NAME] = made.parent
     return made
 
 
