@@ -132,6 +132,12 @@ COMMANDS = {
         "Random scenes of the whole range of every parameter: does the fastest mode of every frame decay?",
         (BENCH + "rests.py", "--scenes", "400", "--seed", "1"),
     ),
+    "damping": Entry(
+        "Robustness",
+        "Estimate of the safe damping",
+        "Change of the safe damping of 36 states with other constants of the estimate.",
+        (BENCH + "damping.py",),
+    ),
     "bench": Entry(
         "Performance",
         "Force evaluations of the presets",

@@ -18,12 +18,12 @@ HALF = Trial(2.0)  # over one barrier: half of the usual step
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
 # From flutter GFMD leaves a branch before its linear end, by a jolt of 0.03 to 0.3 units, and may land elsewhere. The
 # oscillation before may take most of the motion. If it lasted for SATURATED steps, from which on a motion may count as
-# restless, its start is forgotten, and the motion is repeated from its last state near the end. From shorter ones,
-# three of eight small cells landed alike where motions from the end do not
+# restless, its start is forgotten, and the motion is repeated from its last state near the end. From shorter ones, some
+# small cells landed alike where motions from the end do not
 SATURATED = 4_000
 FARTHER = Trial(nearer=0.2)
-# Where all nodes are alike, waves must grow near the end of the branch. From the usual start, five times as far, one of
-# 300 cells (tests/bench/landings.py) fell before they had grown. From 4 and 20 times nearer it lands in the same state.
+# Where all nodes are alike, waves must grow near the end of the branch. From the usual start, five times as far, a cell
+# of tests/bench/landings.py fell before they had grown. From 4 and 20 times nearer it lands in the same state.
 DISTURBED = Trial(nearer=5.0, kick=1e-3)
 
 
@@ -68,13 +68,12 @@ def _finer(sites, stalled):
     A node that moved by more than half a site has passed a barrier. If the motion stalled there, small errors decide
     whether it passes. A node that moved by more than 1.2 sites has passed several, and errors of its energy add up.
     """
-    # of 222 first slips (tests/bench/landings.py) 13 went wrong at the usual step, 12 of them beyond 1.2 sites; a bound
-    # of 0.6 takes up to 54 % more evaluations
+    # nearly all first slips that go wrong at the usual step go beyond 1.2 sites (tests/bench/landings.py)
     if sites <= 0.5 or (sites <= 1.2 and not stalled):
         return (), 0
     if sites <= 1.2:
         return (HALF, *FINE), 1
-    return FINE, 1 if sites < 5.0 else 2  # one of 30 slips beyond 5 sites needed two
+    return FINE, 1 if sites < 5.0 else 2  # some slips beyond 5 sites need two
 
 
 def _tried(motion, problem, end, trial, steps, fall=None):

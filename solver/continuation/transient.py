@@ -15,10 +15,10 @@ from .motion import Creep, Motion
 from .state import NotConverged, Outcome, Restless, State
 
 # A "unit" is the problem's `unit`.
-STEPS = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
+STEPS = 8  # time steps between two checks; half as many again lead to other equilibria
 DEPARTURE = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
-# factor of the usual steps while the motion starts and moves less than a quarter of CRAWL between two checks.
-# Without that limit one slip in a thousand ended in another equilibrium
+# factor of the usual steps while the motion starts and moves less than a quarter of CRAWL between two checks; without
+# that limit a few slips ended in other equilibria
 SLOW = 3.0
 # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
 # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
@@ -32,12 +32,10 @@ LANDING = 0.03
 # Used in place of LANDING while the motion starts. There the residual is small anyway: about half the curvature
 # times the distance squared
 NEAR = 1e-4
-# most steps of one motion. The slider box needs 30,000. With 60,000 a twentieth of the atlas gives up: very soft
-# layers that detach
+# most steps of one motion. Very soft layers that detach need most (tests/validation/stability.py)
 BUDGET = 250_000
 # factor by which the load's rise since the end of the branch grows before Anderson steps that failed are tried again.
-# Tried at each rise, they took half of the evaluations of the worst scene of the box (E 11, depth 0.75, ratio 0.7), and
-# led some motions to equilibria that the motion passes
+# Tried at each rise, they led some motions to equilibria that the motion passes
 FARTHER = 1.3
 # units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
 # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
@@ -200,8 +198,8 @@ class Transient:
     def _restless(self):
         """Whether the motion has lasted so long that it may never rest.
 
-        4,000 steps are half of what the slowest slip of the slider box takes. In the overdamped limit surfaces come to
-        rest more slowly.
+        The slowest slips of the slider box take longer than 4,000 steps. In the overdamped limit surfaces come to rest
+        more slowly.
         """
         if not isfinite(self.damping):
             return self.steps > 40_000
