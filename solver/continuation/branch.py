@@ -70,7 +70,8 @@ def _on_branch(corrector, state, solution, mode, past):
     """The State of a Solution that follows `state` on its branch, after the points `past`, newest first."""
     v, load, residual = solution
     past = [Point(load, v), *[p for p in past if p[0] != load][: PAST - 1]]
-    return State(load, v, past, state.secants, corrector.sharp, mode, residual=residual)
+    kept = {"residual": residual, "undecided": state.undecided}
+    return State(load, v, past, state.secants, corrector.sharp, mode, **kept)
 
 
 class _Arc:

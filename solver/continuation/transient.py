@@ -44,6 +44,9 @@ STALLS = 50  # most states kept for that; so many mean that it has stalled
 # units from the end of a branch, which an oscillation after flutter soon reaches, whatever its start. From 0.6 on the
 # motion is decided: repeated from there, a rough surface landed alike where motions from the end do not
 LEAVING = 0.3
+# units from the end of a branch, which no oscillation after flutter reaches. From there on the load stays. Where it
+# rose on, the surface came to rest up to 0.2 units later, and its slip counted as sensitive
+LEFT = 0.6
 WANDERED = 0.2  # units of rise of the load beyond which a motion does not determine the equilibrium
 DIVERGED = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
@@ -93,6 +96,7 @@ class Transient:
         self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
         self.pace = SLOW if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
+        self._left, self._since = False, (0, 0.0)
         if fall is not None:
             self.motion, self.load, self.v = fall.motion.copy(), fall.load, fall.v.copy()
             self.pace, self.starting = 1.0, False
@@ -144,12 +148,18 @@ class Transient:
         self._note_stall(before, np.abs(self.ahead).max() / (STEPS * motion.time))
         self.problem.hold(self.v, self.load)
         self.starting = self._near_end(self.v) and not self.repeats
-        if self.end.kind == "flutter" and not self.repeats:
+        if self.end.kind == "flutter" and not self._left:
             self._note_fall()
 
     def _note_fall(self):
-        """Keep the present state if it is still near the end of the branch, which moves about as far as the load."""
-        if np.abs(self.v - self.end.v).max() - (self.load - self.end.load) < LEAVING * self.unit:
+        """Keep the present state if it is still near the end of the branch, which moves about as far as the load.
+
+        Once it has left, the load stays for as long as a surface may take to come to rest.
+        """
+        away = np.abs(self.v - self.end.v).max() - (self.load - self.end.load)
+        if away > LEFT * self.unit:
+            self._left, self._since = True, (self.steps, self.elapsed)
+        elif away < LEAVING * self.unit and not self.repeats:
             self.fall = Fall(self.motion.copy(), self.load, self.v, self.steps)
 
     def _note_stall(self, before, speed):
@@ -205,9 +215,10 @@ class Transient:
             return self.steps > 40_000
         slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
         period = 4.0 * np.pi / (self.motion.dynamics.critical * slow)
+        steps, elapsed = self.steps - self._since[0], self.elapsed - self._since[1]
         # after eight periods the mode has decayed by exp(-16 pi); from an unstable state the surface falls as
         # exp(growth t)
-        return self.steps > 4_000 and self.elapsed > 8.0 * (period + 1.0 / self.end.growth)
+        return steps > 4_000 and elapsed > 8.0 * (period + 1.0 / self.end.growth)
 
     def _raise_load(self, returned):
         """Raise the load if the motion does not come to rest, or if it `returned` to the branch it left.
