@@ -13,7 +13,7 @@ from .transient import BUDGET, DIVISORS, WANDERED, TooLong, Transient, Trial
 
 USUAL = Trial()
 LONGER = 3.0  # a repetition is given up that takes so many times the steps that it should
-TWICE = Trial(0.5)  # from flutter: where such a motion lands alike, finer ones do too, for a third of the evaluations
+TWICE = Trial(0.5)  # where such a motion lands as the usual one does, finer ones do too, for less evaluations
 HALF = Trial(2.0)  # over one barrier: half of the usual step
 # Over several barriers. The first trial changes only the step: two trials with other starts were wrong together
 FINE = Trial(4.0), Trial(8.0, 10.0, -1e-3)
@@ -40,15 +40,15 @@ def motion_to_rest(problem, end, judge, damping, closed, undecided=False) -> End
     if end.sensitive or _wandered(problem, end, slip.after):
         return slip._replace(sensitive=True)
     finer, agreeing = _finer(problem.sites(end.v, state.v), stalled)
-    # A slip before might have landed elsewhere, so that no step leads to the one right state. Half of the usual one
-    # tells whether this slip is sensitive as well
+    # A slip before might have landed elsewhere, so that no step leads to the one right state. Twice the usual one tells
+    # whether this slip is sensitive as well
     if undecided:
-        finer, agreeing = finer and (HALF,), min(agreeing, 1)
+        finer, agreeing = finer and (TWICE,), min(agreeing, 1)
     flutter, alike = end.kind == "flutter", problem.alike(end.v)
     if fall is not None and fall.steps > SATURATED and not alike:
         return slip._replace(sensitive=not _same(problem, state, _tried(motion, problem, end, TWICE, steps, fall)))
     starts = (FARTHER,) * flutter + (DISTURBED,) * alike
-    may_change = not starts  # if the start matters, one disagreement makes the slip sensitive
+    may_change = not (starts or undecided)  # else one disagreement makes the slip sensitive
     for trial in starts:
         if not _same(problem, slip.after, _tried(motion, problem, end, trial, steps)):
             return slip._replace(sensitive=True)

@@ -171,8 +171,8 @@ def test_once_a_surface_has_left_by_flutter_the_load_stays_and_it_lands_where_th
     assert np.abs(explicit.v - after.v).max() < 1e-5
 
 
-def test_after_a_sensitive_slip_others_are_repeated_with_half_of_the_step_alone():
-    """Half of the step leads this one elsewhere, and steps of a quarter would be needed to tell where it lands."""
+def test_after_a_sensitive_slip_others_are_repeated_with_twice_the_step_alone():
+    """Half of the step leads this one elsewhere, so that a third motion would decide where it lands."""
     state, event, stepper = before_first_slip(Scene(**WAVE))
     counts = []
     for undecided in (False, True):
