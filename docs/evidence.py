@@ -3,6 +3,9 @@
 Each entry of COMMANDS is one command of the repository. Its standard output is kept in docs/evidence.json with the
 commit, date and processor, and shown on the page; no number is typed in. Benches print single scenes to standard error.
 Entries older than the last change of the solver's numerics are stale; `--stale` lists them and how long they take.
+
+`--all` measures all entries at the present commit, within two hours on two cores. Each is kept as soon as it is
+measured, so that a run that was stopped goes on where it was; one that failed is named and measured by the next run.
 """
 
 import argparse
@@ -10,6 +13,7 @@ import json
 import platform
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
@@ -20,6 +24,8 @@ from solver.continuation import NUMERICS
 
 HERE = Path(__file__).parent
 ROOT, STORE, PAGE = HERE.parent, HERE / "evidence.json", HERE / "evidence.md"
+# files that entries write
+WRITTEN = {"docs/evidence.json", "docs/evidence.md", "docs/accuracy.png", "app/features/accuracy/accuracy.json"}
 
 
 class Entry(NamedTuple):
@@ -126,6 +132,12 @@ COMMANDS = {
         "Random scenes of the whole range of every parameter: does the fastest mode of every frame decay?",
         (BENCH + "rests.py", "--scenes", "400", "--seed", "1"),
     ),
+    "damping": Entry(
+        "Robustness",
+        "Estimate of the safe damping",
+        "Change of the safe damping of 36 states with other constants of the estimate.",
+        (BENCH + "damping.py",),
+    ),
     "bench": Entry(
         "Performance",
         "Force evaluations of the presets",
@@ -148,8 +160,16 @@ COMMANDS = {
     "follow": Entry(
         "Performance",
         "Following a slider",
-        "Moves of the sliders over their range: share followed, errors, force evaluations, time over that of the run.",
+        "Moves of the sliders over their range: share followed, errors, force evaluations, time over that of the run,"
+        " and kilobytes on the wire.",
         (BENCH + "follow.py",),
+    ),
+    "certify": Entry(
+        "Performance",
+        "Certificates",
+        "Certificates of random moves against their exact runs: false ones, needless alarms, time over that of the"
+        " exact run; and of predictions made wrong on purpose.",
+        (BENCH + "certify.py",),
     ),
     "drag": Entry(
         "Load",
@@ -182,7 +202,18 @@ def measured(entry: Entry) -> dict[str, Any]:
     """Runs the command: its output with commit, date, processor and minutes; raises CalledProcessError."""
     begun, made = perf_counter(), output(sys.executable, *entry.command)
     took = {"numerics": NUMERICS, "minutes": round((perf_counter() - begun) / 60.0, 1)}
-    return {"command": " ".join(["python", *entry.command]), **origin(), **took, "output": made}
+    return {"command": line(entry), **origin(), **took, "output": made}
+
+
+def line(entry: Entry) -> str:
+    """The command as one types it."""
+    return " ".join(["python", *entry.command])
+
+
+def left(store: dict[str, Any], commit: str) -> list[str]:
+    """The entries that were not measured at that commit, by their present commands."""
+    known = {name: (result["commit"], result["command"]) for name, result in store.items()}
+    return [name for name, entry in COMMANDS.items() if known.get(name) != (commit, line(entry))]
 
 
 def stale(name: str, store: dict[str, Any]) -> bool:
@@ -202,6 +233,12 @@ def origin() -> dict[str, str]:
     return {"commit": commit, "date": date.today().isoformat(), "processor": processor()}
 
 
+def changed() -> list[str]:
+    """Files that differ from those of the commit, but for what entries write."""
+    lines = output("git", "status", "--porcelain", "--untracked-files=no").splitlines()
+    return sorted({each.split(maxsplit=1)[1] for each in lines} - WRITTEN)
+
+
 def output(*command: str) -> str:
     """What a command prints, run in the repository's root."""
     return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout.strip("\n")
@@ -218,9 +255,12 @@ def processor() -> str:
 def page(store: dict[str, dict[str, Any]]) -> str:
     """The page, a section per entry of COMMANDS."""
     picture = "![Error of F, L and A against run time and force evaluations, for four methods](accuracy.png)"
+    places = Counter(place(store[name]) for name in COMMANDS if name in store)
+    ((usual, _),) = places.most_common(1) or [("nothing yet", 0)]
     parts = [
         "# Evidence",
         "This page is written by `python docs/evidence.py`. Edit the command, not the page.",
+        f"Measured: {usual}, unless an entry names another commit.",
         picture,
     ]
     chapter = ""
@@ -228,15 +268,22 @@ def page(store: dict[str, dict[str, Any]]) -> str:
         if entry.chapter != chapter:
             chapter = entry.chapter
             parts.append(f"## {chapter}")
-        parts += [f"### {entry.title}", entry.meaning, *section(store.get(name), entry, stale(name, store))]
+        shown = section(store.get(name), entry, stale(name, store), usual)
+        parts += [f"### {entry.title}", entry.meaning, *shown]
     return "\n\n".join(parts) + "\n"
 
 
-def section(result: dict[str, Any] | None, entry: Entry, old: bool) -> list[str]:
+def place(result: dict[str, Any]) -> str:
+    """The commit and the processor of a result."""
+    return f"commit {result['commit']}, {result['processor']}"
+
+
+def section(result: dict[str, Any] | None, entry: Entry, old: bool, usual: str) -> list[str]:
     """Paragraphs that show one result, or the command where there is none."""
     if result is None:
-        return [f"Not measured yet: `python {' '.join(entry.command)}`."]
-    where = f"`{result['command']}`, commit {result['commit']}, {result['date']}, {result['processor']}"
+        return [f"Not measured yet: `{line(entry)}`."]
+    where = f"`{result['command']}`, {result['date']}"
+    where += f", {place(result)}" * (place(result) != usual)
     where += " (before the last change of the solver's numerics):" if old else ":"
     return [where, "\n".join(["```text", result["output"], "```"])]
 
@@ -244,7 +291,7 @@ def section(result: dict[str, Any] | None, entry: Entry, old: bool) -> list[str]
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"what to measure: {', '.join(COMMANDS)}")
-    parser.add_argument("--all", action="store_true", help="measure all")
+    parser.add_argument("--all", action="store_true", help="measure all that this commit lacks")
     parser.add_argument("--stale", action="store_true", help="list what is older than the solver's numerics")
     parser.add_argument("--page", action="store_true", help="only write the page")
     arguments = parser.parse_args()
@@ -255,14 +302,27 @@ def main() -> None:
     if arguments.stale:
         old = [name for name in COMMANDS if stale(name, store)]
         return print("\n".join([*old, minutes(old, store)]))
-    chosen = [*COMMANDS] if arguments.all else arguments.names
+    if arguments.all and (edited := changed()):
+        parser.error(f"--all measures a commit, and {', '.join(edited)} differ from it; commit them first")
+    chosen = left(store, origin()["commit"]) if arguments.all else arguments.names
     print(minutes(chosen, store), flush=True)
-    for name in chosen:
-        print(f"{name}: python {' '.join(COMMANDS[name].command)}", flush=True)
-        store[name] = measured(COMMANDS[name])
-        STORE.write_text(json.dumps(store, indent=1) + "\n")
+    failed = [name for name in chosen if not kept(name, store)]
     PAGE.write_text(page(store), encoding="utf-8")
     print(f"wrote {PAGE.relative_to(ROOT)}")
+    if failed:
+        sys.exit(f"failed: {', '.join(failed)}; the page shows their last results")
+
+
+def kept(name: str, store: dict[str, Any]) -> bool:
+    """Measure an entry and write it to the store; whether its command ended well."""
+    print(f"{name}: {line(COMMANDS[name])}", flush=True)
+    try:
+        store[name] = measured(COMMANDS[name])
+    except subprocess.CalledProcessError as failure:
+        print(failure, file=sys.stderr)
+        return False
+    STORE.write_text(json.dumps(store, indent=1) + "\n")
+    return True
 
 
 if __name__ == "__main__":

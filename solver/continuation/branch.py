@@ -17,13 +17,11 @@ from .state import MOVED, PAST, TINY, End, Point, State
 from .trace import lagrange
 from .vectors import dot
 
-# With solves to 3e-3 a fold of the default takes 70 evaluations in the median, to 1e-2 87. With more products, searches
-# that fail on very soft layers (E = 1) take twice as long. With rough null vectors of thousands of soft nodes, steps go
-# to and fro
+# `tests/bench/constants.py --only SEARCH` shows what these save. With more products, searches that fail on very soft
+# layers (E = 1) take longer. With rough null vectors of thousands of soft nodes, steps go to and fro
 SEARCH = FoldOptions(accuracy=3e-3, products=100, sharper=1e-4)
 
-# Of the last step, to a fold from its guess. Folds of random scenes and of a layer of 0.5 GPa lie within 0.9 of it;
-# searches that went farther found none
+# Of the last step, to a fold from its guess. Folds lie within one step of it; searches that went farther found none
 REACH = 2.0
 
 # A "unit" is the problem's `unit`; distances of states are the largest of any unknown.
@@ -72,7 +70,8 @@ def _on_branch(corrector, state, solution, mode, past):
     """The State of a Solution that follows `state` on its branch, after the points `past`, newest first."""
     v, load, residual = solution
     past = [Point(load, v), *[p for p in past if p[0] != load][: PAST - 1]]
-    return State(load, v, past, state.secants, corrector.sharp, mode, residual=residual)
+    kept = {"residual": residual, "undecided": state.undecided}
+    return State(load, v, past, state.secants, corrector.sharp, mode, **kept)
 
 
 class _Arc:

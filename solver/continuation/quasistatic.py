@@ -26,8 +26,10 @@ class QuasiStatic:
                 reached = self._continued(reached, target)
             if isinstance(reached, End):
                 before = state
-                slip = motion_to_rest(self.problem, reached, self.judge, self.damping, self.closed)
-                state = slip.after
+                how = self.judge, self.damping, self.closed, state.undecided
+                slip = motion_to_rest(self.problem, reached, *how)
+                assert slip.after is not None  # the motion has come to rest there
+                state = slip.after._replace(undecided=state.undecided or slip.sensitive)
                 if reached.located or slipped(self.problem, before, reached.load, state):
                     slips.append(slip)
                 if state.load < target:

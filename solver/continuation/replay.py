@@ -68,7 +68,7 @@ def _repeated(problem, state, target, trace):
         trace = trace.added(branch, passed._replace(v=v - shift * problem.direction))
     slips = trace.slips_between(state.load, target, problem.direction)
     past = [(target, v)] if slips else [(target, v), *state.past[: PAST - 1]]
-    reached = State(target, v, past, None, state.sharp, None, False, solution.residual)
+    reached = State(target, v, past, None, state.sharp, None, False, solution.residual, state.undecided)
     return Increment(reached, slips, True), trace
 
 

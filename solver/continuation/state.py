@@ -121,6 +121,7 @@ class State(NamedTuple):
     # True after the load control changed: the next increment checks its stability first, and lets it relax
     unsure: bool = False
     residual: float = np.inf  # nm
+    undecided: bool = False  # whether a slip before was `sensitive`, so that the run may stand elsewhere
 
     @staticmethod
     def at_rest(load, v, **more) -> "State":

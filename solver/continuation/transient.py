@@ -15,10 +15,10 @@ from .motion import Creep, Motion
 from .state import NotConverged, Outcome, Restless, State
 
 # A "unit" is the problem's `unit`.
-STEPS = 8  # time steps between two checks; 12 save 2 % of the evaluations, but lead to other equilibria
+STEPS = 8  # time steps between two checks; half as many again lead to other equilibria
 DEPARTURE = 0.05  # units from an end, where the motion starts; from farther, soft layers come to rest elsewhere
-# factor of the usual steps while the motion starts and moves less than a quarter of CRAWL between two checks.
-# Without that limit one slip in a thousand ended in another equilibrium
+# factor of the usual steps while the motion starts and moves less than a quarter of CRAWL between two checks; without
+# that limit a few slips ended in other equilibria
 SLOW = 3.0
 # divisors of the steps: the next one is tried where a motion diverged, as when surfaces clash. The first three also
 # serve a motion that never rests, because a soft layer may swing for ever at one step and at no other
@@ -32,12 +32,10 @@ LANDING = 0.03
 # Used in place of LANDING while the motion starts. There the residual is small anyway: about half the curvature
 # times the distance squared
 NEAR = 1e-4
-# most steps of one motion. The slider box needs 30,000. With 60,000 a twentieth of the atlas gives up: very soft
-# layers that detach
+# most steps of one motion. Very soft layers that detach need most (tests/validation/stability.py)
 BUDGET = 250_000
 # factor by which the load's rise since the end of the branch grows before Anderson steps that failed are tried again.
-# Tried at each rise, they took half of the evaluations of the worst scene of the box (E 11, depth 0.75, ratio 0.7), and
-# led some motions to equilibria that the motion passes
+# Tried at each rise, they led some motions to equilibria that the motion passes
 FARTHER = 1.3
 # units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
 # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
@@ -46,6 +44,9 @@ STALLS = 50  # most states kept for that; so many mean that it has stalled
 # units from the end of a branch, which an oscillation after flutter soon reaches, whatever its start. From 0.6 on the
 # motion is decided: repeated from there, a rough surface landed alike where motions from the end do not
 LEAVING = 0.3
+# units from the end of a branch, which no oscillation after flutter reaches. From there on the load stays. Where it
+# rose on, the surface came to rest up to 0.2 units later, and its slip counted as sensitive
+LEFT = 0.6
 WANDERED = 0.2  # units of rise of the load beyond which a motion does not determine the equilibrium
 DIVERGED = 1e9  # units of displacement, or stiffness over the closed one: far beyond any state
 
@@ -95,6 +96,7 @@ class Transient:
         self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
         self.pace = SLOW if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
+        self._left, self._since = False, (0, 0.0)
         if fall is not None:
             self.motion, self.load, self.v = fall.motion.copy(), fall.load, fall.v.copy()
             self.pace, self.starting = 1.0, False
@@ -146,12 +148,18 @@ class Transient:
         self._note_stall(before, np.abs(self.ahead).max() / (STEPS * motion.time))
         self.problem.hold(self.v, self.load)
         self.starting = self._near_end(self.v) and not self.repeats
-        if self.end.kind == "flutter" and not self.repeats:
+        if self.end.kind == "flutter" and not self._left:
             self._note_fall()
 
     def _note_fall(self):
-        """Keep the present state if it is still near the end of the branch, which moves about as far as the load."""
-        if np.abs(self.v - self.end.v).max() - (self.load - self.end.load) < LEAVING * self.unit:
+        """Keep the present state if it is still near the end of the branch, which moves about as far as the load.
+
+        Once it has left, the load stays for as long as a surface may take to come to rest.
+        """
+        away = np.abs(self.v - self.end.v).max() - (self.load - self.end.load)
+        if away > LEFT * self.unit:
+            self._left, self._since = True, (self.steps, self.elapsed)
+        elif away < LEAVING * self.unit and not self.repeats:
             self.fall = Fall(self.motion.copy(), self.load, self.v, self.steps)
 
     def _note_stall(self, before, speed):
@@ -200,16 +208,17 @@ class Transient:
     def _restless(self):
         """Whether the motion has lasted so long that it may never rest.
 
-        4,000 steps are half of what the slowest slip of the slider box takes. In the overdamped limit surfaces come to
-        rest more slowly.
+        The slowest slips of the slider box take longer than 4,000 steps. In the overdamped limit surfaces come to rest
+        more slowly.
         """
         if not isfinite(self.damping):
             return self.steps > 40_000
         slow = self.damping - sqrt(max(self.damping**2 - 1.0, 0.0))  # decay of the slowest mode over critical
         period = 4.0 * np.pi / (self.motion.dynamics.critical * slow)
+        steps, elapsed = self.steps - self._since[0], self.elapsed - self._since[1]
         # after eight periods the mode has decayed by exp(-16 pi); from an unstable state the surface falls as
         # exp(growth t)
-        return self.steps > 4_000 and self.elapsed > 8.0 * (period + 1.0 / self.end.growth)
+        return steps > 4_000 and elapsed > 8.0 * (period + 1.0 / self.end.growth)
 
     def _raise_load(self, returned):
         """Raise the load if the motion does not come to rest, or if it `returned` to the branch it left.

@@ -149,6 +149,7 @@ class _Check:
         self.found, self.counts, self.walked = list[Finding](), [0, 0, 0], list[Branch]()
         self.jumps, self.residual = list[End](), 0.0
         self.stage, self.load = "approach", -scene.delta_0
+        self.undecided = any(jump.sensitive for jump in skeleton.trace.jumps)
 
         def observe(*_):
             if self.contact.evaluations > limit:
@@ -163,7 +164,9 @@ class _Check:
     def lands(self, problem, end) -> End:
         """The End with the State in which the surface comes to rest; counts a landing."""
         self.counts[2] += 1
-        return motion_to_rest(problem, end, self.judge, self.scene.damping, self.closed)
+        slip = motion_to_rest(problem, end, self.judge, self.scene.damping, self.closed, self.undecided)
+        self.undecided |= slip.sensitive
+        return slip
 
     # the approach
 

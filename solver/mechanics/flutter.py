@@ -11,11 +11,11 @@ from ..continuation.compiled import kernel
 from . import cohesive_law
 from .layer import Modes
 
-# The changes below are the largest among 36 states of three runs: the default, E = 12 with friction 1.4, and rough.
-WIDTH = 0.6  # of the averaging Gaussian, times 1/q; with 0.3 the result rises by 7 %, with 1.2 it falls by 11 %
-WIDER = 1.5  # growth of the variance from one level of averaging to the next; with 2 the result changes by 2 %
-FINER = 1.19  # ratio of one wavenumber to the next, four to an octave; with 1.02 the result rises by 1.6 %
-MARGIN = 1.1  # factor of the result: of 6237 dense spectra one exceeds the estimate by 8 %
+# `tests/bench/damping.py` shows what other values of the first three change
+WIDTH = 0.6  # of the averaging Gaussian, times 1/q: with a narrower one the result rises, with a wider one it falls
+WIDER = 1.5  # growth of the variance from one level of averaging to the next
+FINER = 1.19  # ratio of one wavenumber to the next, four to an octave
+MARGIN = 1.1  # factor of the result, which a few dense spectra exceed (tests/bench/rests.py)
 
 
 def safe_damping(scene, u, first=0) -> float:
@@ -54,7 +54,7 @@ def safe_friction(tangents, stiffness, nodes) -> float:
         highest = lowest - 1
         if highest < 0:
             return MARGIN * float(np.sqrt(worst))
-        while variance > 4.0 * apart**2:  # every second place suffices; 16 changes the result by 0.4 %
+        while variance > 4.0 * apart**2:  # every second place suffices
             field, apart = np.ascontiguousarray(field[:, ::2]), 2 * apart
         more = (wider - variance) / apart**2
         passes = int(np.ceil(2.0 * more))  # of a variance of 1/2 at most: weights 1/4, 1/2, 1/4

@@ -78,7 +78,7 @@ def _passed(scene, problem, frames, checkpoint):
         for f in frames
     ]
     past = [Point(load, displaced(v, load).ravel()) for load, v in checkpoint.state.past]
-    state = State(checkpoint.state.load, past[0].v, past)
+    state = State(checkpoint.state.load, past[0].v, past, undecided=checkpoint.state.undecided)
     jumps = tuple(
         end._replace(v=displaced(end.v, end.load).ravel(), phi=placed(end.phi).ravel(), psi=None)
         for end in checkpoint.trace.jumps

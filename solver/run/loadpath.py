@@ -261,6 +261,6 @@ def _turned(problem, state, was_held, following):
     """The State at the end of a step as the first of the following LoadStep: another load, no past along it."""
     v, load = state.v, following.at(0)
     if was_held == following.held:
-        return State(load, v, [(load, v)], state.secants, mode=state.mode)
+        return State(load, v, [(load, v)], state.secants, mode=state.mode, undecided=state.undecided)
     v = np.append(problem.surface(v).ravel(), problem.top(v, state.load)[1] if following.held else ())
-    return State(load, v, [(load, v)], unsure=following.held)
+    return State(load, v, [(load, v)], unsure=following.held, undecided=state.undecided)

@@ -6,8 +6,9 @@ Scenes are random over E 10 .. 1000, delta_bar -0.6 .. 1 and phi_ratio 0.02 .. 2
 -0.4 .. 0.8. The small moves are one event of a drag, the long one is many at once. Every move is followed from the
 frames of its scene, and also run from the start. Two runs are of one kind if both slip by as many sites each time, or
 neither slips. Of the moves between such runs: the share followed, force evaluations, processor time over that of the
-exact run, the largest error of a slip's load U_s (nm) and of F, L and A over their largest, at all increments. Each
-move that was not followed prints why, and what the exact runs do.
+exact run, force evaluations for each state of a skeleton, its kilobytes as the app sends them, the largest error of a
+slip's load U_s (nm) and of F, L and A over their largest, at all increments. Each move that was not followed prints
+why, and what the exact runs do.
 """
 
 import sys
@@ -16,12 +17,14 @@ import time
 import numpy as np
 from scenes import held_box, numbered, ran, scene_of, sheared, slider_box, spread, write
 
+from app.service.skeletons import packed
 from solver import NotFollowed, Scene, follow, load_path, skeleton_of
 from solver.run.frame import slips_in
 
 SMALL = {"delta_bar": lambda x: x + 0.03, "E": lambda x: 1.08 * x, "phi_ratio": lambda x: 0.93 * x}
 LONG = {"delta_bar": lambda x: x + 0.2, "E": lambda x: 1.6 * x, "phi_ratio": lambda x: 0.6 * x}
 WANTED = {"U_s": 1e-4, "F": 1e-3, "L": 1e-3, "A": 1e-3}  # errors; U_s in nm
+COSTS = "evaluations", "a state", "kB", "ratio"
 LEAST = np.array([1e-12, 1e-12, 1e-4])  # F_bar, L_bar and A_bar that count as none
 TOUCHING = 1.5  # delta_n, largest gap in the middle of a contact
 FAR = 100.0  # factor of WANTED beyond which a run is another one
@@ -77,10 +80,13 @@ def row_of(scene, before, skeleton, name, size, moved):
     try:
         followed = follow(skeleton, moved)
         row["evaluations"] = followed.evaluations
+        row["a state"] = followed.evaluations / sum(len(branch.states) for branch in followed.branches)
     except NotFollowed as refusal:
         followed, row["why"] = None, str(refusal)
     row["seconds"] = time.process_time() - start
     row["ratio"] = row["seconds"] / exact_seconds
+    if followed:
+        row["kB"] = len(packed(followed)) / 1e3
     if failure:
         return row | {"alike": False, "exact": "not done"}
     kinds = kind(scene, before), kind(moved, exact)
@@ -109,8 +115,7 @@ def summary(rows):
         "moves": len(rows),
         "alike": len(alike),
         "followed": {size: _share(alike, size) for size in ("small", "long")} | {"all": _share(alike, None)},
-        "evaluations": spread([row["evaluations"] for row in done]),
-        "ratio": spread([row["ratio"] for row in done]),
+        **{name: spread([row[name] for row in done]) for name in COSTS},
         "errors": {name: spread([row["errors"][name] for row in done]) for name in WANTED},
         "right": right | {"F, L, A": float(np.mean([all(row["errors"][n] <= 1e-3 for n in "FLA") for row in done]))},
         "other_run_followed": sum(_wrong(row) for row in rows if "errors" in row),
@@ -131,7 +136,7 @@ def report(found):
     print("{moves} moves, {alike} between runs of one kind".format(**found))
     print("followed of these: " + ", ".join(f"{size} {share:.1%}" for size, share in found["followed"].items()))
     print(f"{'':12}{'median':>10}{'p95':>10}{'worst':>10}{'right':>8}")
-    for name in ("evaluations", "ratio"):
+    for name in COSTS:
         print(f"{name:12}" + "".join(f"{value:10.3g}" for value in found[name]))
     for name, values in found["errors"].items():
         print(f"{name:12}" + "".join(f"{value:10.1e}" for value in values) + f"{found['right'][name]:8.1%}")

@@ -14,6 +14,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "constants": (["--only", "MOVED", "--scenes", "1"], "differ x2 0"),
     "curves": (["--quick", "--set", "nodes=64", "width=160", "radius=1", "du_z=0.5", "du_x=0.2", "u_x_max=8"], "FIRE"),
     "figures": (["--processes", "1", "--repetitions", "1"], "Fig. 5, 120 moduli"),
+    "damping": ([], "36 states"),
     "fit": (["--draws", "1", "--starts", "1", "--box", "1", "--sparse", "1", "--points", "100"], "reach the truth"),
     "follow": (["--scenes", "1"], "F, L and A all right"),
     "jumps": (["--scenes", "1"], "1 scenes"),

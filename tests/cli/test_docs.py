@@ -4,6 +4,7 @@ The tutorials are executed by `python docs/build.py`, which `.ci/run` calls.
 """
 
 import ast
+import importlib.util
 import inspect
 import json
 import re
@@ -67,6 +68,42 @@ def test_what_the_readme_cites_was_measured_since_the_last_change_of_the_numeric
     )
     old = json.loads(ran.stdout)
     assert cited and not [title for title in cited if old[title]]
+
+
+@pytest.fixture(scope="module")
+def evidence():
+    """The module docs/evidence.py."""
+    spec = importlib.util.spec_from_file_location("evidence", ROOT / "docs" / "evidence.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def result(evidence, name, commit):
+    entry = evidence.COMMANDS[name]
+    return {"command": evidence.line(entry), "commit": commit, "processor": "some processor", "date": "2026-11-29"} | {
+        "output": f"figures of {name}", "numerics": evidence.NUMERICS,
+    }  # fmt: skip
+
+
+def test_a_stopped_measurement_of_all_entries_goes_on_where_it_was(evidence):
+    names = [*evidence.COMMANDS]
+    store = {name: result(evidence, name, "new") for name in names[:3]}
+    store |= {name: result(evidence, name, "old") for name in names[3:]}
+    assert evidence.left(store, "new") == names[3:]
+    store[names[0]]["command"] += " --another"
+    assert evidence.left(store, "new") == [names[0], *names[3:]]
+    assert evidence.left({}, "new") == names
+
+
+def test_the_page_of_evidence_names_the_commit_once_and_again_only_where_another_was_measured(evidence):
+    store = {name: result(evidence, name, "abc1234") for name in evidence.COMMANDS}
+    text = evidence.page(store)
+    assert text.count("abc1234") == 1 and all(f"figures of {name}\n" in text for name in store)
+    store["box"] = result(evidence, "box", "def5678")
+    text = evidence.page(store)
+    assert (text.count("abc1234"), text.count("def5678")) == (1, 1)
+    assert text.index("def5678") > text.index("### The slider box")
 
 
 @pytest.mark.slow

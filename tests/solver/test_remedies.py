@@ -1,7 +1,9 @@
 """Each remedy that the message of a failed run names is followed, and works."""
 
 import re
+from time import thread_time
 
+import numpy as np
 import pytest
 
 from solver import Scene, SceneError, advance, simulate
@@ -61,3 +63,22 @@ def test_the_least_tolerance_that_a_refusal_names_is_allowed(values):
         SMALL.changed(tolerance=1e-12, **values)
     least = float(re.search(r"allowed: ([\d.e-]+) \.\.", str(refused.value))[1])
     assert SMALL.changed(tolerance=least, **values).tolerance == least
+
+
+@pytest.mark.slow
+@pytest.mark.thorough
+def test_extreme_scenes_end_with_an_outcome_and_a_remedy_within_their_limit():
+    """60 scenes; an increment is interrupted between two force evaluations, or two searches for a mode."""
+    rng, limit, seen = np.random.default_rng(66), 0.5, set()
+    for _ in range(60):
+        E, phi_ratio = np.exp(rng.uniform(*np.log([(0.02, 0.02), (2000.0, 30.0)]))).tolist()
+        nodes, delta_bar = int(2.0 ** rng.uniform(6.0, 12.0)), float(rng.uniform(-0.6, 1.0))
+        scene = Scene(
+            E=E, phi_ratio=phi_ratio, nodes=nodes, width=2.44 * nodes, delta_bar=delta_bar, tolerance=1e-5
+        )  # fmt: skip
+        begun = thread_time()
+        result = simulate(scene, limit=limit)
+        assert thread_time() - begun < 4.0 * limit, scene
+        assert result.outcome.reached or re.search(r"; (try|allow|the attraction)", result.failure), result.failure
+        seen.add(result.outcome)
+    assert {"finished", "out of time"} <= seen

@@ -198,7 +198,7 @@ def test_a_surface_that_begins_to_flutter_slips_before_the_load_has_gone_far():
     """Its oscillation takes long to grow: plain GFMD slips within 0.005 nm of load, and to the same equilibrium."""
     scene = Scene(E=10.0, delta_bar=0.2, u_x_max=27.9, du_x=0.1)
     before, last, event = first_slip(scene)
-    assert event.kind == "flutter" and last.U_x == pytest.approx(27.9)  # at rest within the increment, 0.115 nm
+    assert event.kind == "flutter" and event.load < last.U_x < event.load + 0.02  # at rest in the same increment
     slipped = Plain(scene, tolerance=1e-6).rest(whole_surface(before), event.load + 0.005, -scene.delta)
     there = Plain(scene, tolerance=1e-6).rest(slipped.u, last.U_x, -scene.delta)
     assert moved(scene, whole_surface(before), slipped.u) == 1

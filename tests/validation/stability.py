@@ -26,6 +26,16 @@ from conditioning import conditioning
 from verdicts import BAD, GOOD, LIMIT, atlas
 
 FRAMES = "unstable", "cautioned", "spectra"  # numbers of `verdicts.stable`
+# part of the message of a scene that gave up: its cause. The first one that fits counts
+CAUSES = {
+    "where the approach begins": "the layer is too soft to begin",
+    "s of processor time": "out of time",
+    "still moving": "still moving after the most steps",
+    "flutters": "flutters for ever",
+    "diverges": "the motion diverges",
+    "more than 100 slips": "too many slips in one increment",
+    "": "no equilibrium in reach of the tolerance",
+}
 ROUND_OFF = "Conditioning: relative error attained, and by the printed formula in float64 (nan: it overflows)"
 
 
@@ -41,6 +51,15 @@ def regions(results: list) -> dict[str, dict[str, int]]:
     names = dict.fromkeys([*CENTRE, *(name for r in results for name in r["probed"])])
     groups = {"all": results} | {name: [r for r in results if name in r["probed"]] for name in names}
     return {name: counted(group) for name, group in groups.items() if group}
+
+
+def causes(results: list) -> list[dict]:
+    """Rows of the causes for which scenes gave up: how many, and which `numbers`."""
+    why = [
+        (next(c for part, c in CAUSES.items() if part in r["reason"]), r["number"]) for r in _with(results, "gave up")
+    ]
+    rows = {cause: [number for each, number in why if each == cause] for cause in dict(why)}
+    return [{"cause": cause, "scenes": len(found), "numbers": found} for cause, found in rows.items()]
 
 
 def failed(results: list, forms: list, limits: list) -> bool:
@@ -62,6 +81,7 @@ def report(results: list, forms: list, limits: list) -> str:
     ]
     tables = {
         "Scenes by extreme parameter": [{"probed": name} | row for name, row in regions(results).items()],
+        "Causes for which scenes gave up": causes(results),
         "Closed forms": [asdict(form) | {"held": form.held} for form in forms],
         ROUND_OFF: [asdict(limit) for limit in limits],
         "Scenes that gave up, or worse": _scenes(results, ["gave up", *BAD]),
@@ -75,8 +95,13 @@ def report(results: list, forms: list, limits: list) -> str:
 
 
 def _scenes(results, verdicts):
-    some = [r for r in results if r["verdict"] in verdicts]
+    some = _with(results, *verdicts)
     return [{"verdict": r["verdict"], "python -m solver run": r["set"], "reason": r["reason"]} for r in some]
+
+
+def _with(results, *verdicts):
+    """The results with one of these verdicts."""
+    return [r for r in results if r["verdict"] in verdicts]
 
 
 def _texts(row):

@@ -245,6 +245,23 @@ def test_an_unstable_frame_is_counted_by_region_and_fails_the_report(frame):
     assert wrong is None and (numbers["unstable"], numbers["cautioned"]) == (0, 1)
 
 
+@pytest.mark.parametrize(
+    ("values", "limit", "cause"),
+    [
+        ({"E": 0.02, "tolerance": 1e-5}, 1e-3, "the layer is too soft to begin"),
+        ({}, 1e-3, "out of time"),
+    ],
+)
+def test_a_scene_that_gives_up_is_named_by_its_cause(values, limit, cause):
+    """Messages of runs, so that other words in them are noticed."""
+    scene = SMALL.changed(**values)
+    with pytest.raises(NotConverged) as failure:
+        list(load_path(scene, limit=limit))
+    gave_up = {"verdict": "gave up", "reason": str(failure.value), "number": 7, "set": "--set nodes=64", "probed": []}
+    assert stability.causes([gave_up]) == [{"cause": cause, "scenes": 1, "numbers": [7]}]
+    assert cause in stability.report([gave_up], [], [])
+
+
 def test_a_number_outside_the_atlas_is_rejected(capsys):
     with pytest.raises(SystemExit) as ended:
         stability.main(["--quick", "--scenes", "100000"])
