@@ -51,6 +51,7 @@ from .tables import DataError
 from .text import scene_from_text
 
 if TYPE_CHECKING:
+    from .analysis.boundary import Boundary, boundary
     from .analysis.curve_files import read_measurement
     from .analysis.fit import fit
     from .analysis.maps import Axis, Map, explore_map
@@ -64,6 +65,7 @@ __all__ = [
     "METHODS",
     "SURFACES",
     "Axis",
+    "Boundary",
     "Certificate",
     "Checkpoint",
     "DataError",
@@ -79,6 +81,7 @@ __all__ = [
     "SlipEvent",
     "__version__",
     "advance",
+    "boundary",
     "certify",
     "explore_map",
     "fit",
@@ -100,7 +103,9 @@ __all__ = [
 ]
 LAZY = {  # {name: module}, imported when first asked for: a run does not need them
     "Axis": "maps",
+    "Boundary": "boundary",
     "Map": "maps",
+    "boundary": "boundary",
     "explore_map": "maps",
     "fit": "fit",
     "read_measurement": "curve_files",
