@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from .analysis.maps import Axis, Map, explore_map
     from .analysis.sensitivities import sensitivities
     from .analysis.toughness import release_rates, toughness
+    from .analysis.unstable import UnstableBranch, unstable_branch
 
 __version__ = "0.2.0.dev0"
 __all__ = [
@@ -79,6 +80,7 @@ __all__ = [
     "SceneError",
     "Skeleton",
     "SlipEvent",
+    "UnstableBranch",
     "__version__",
     "advance",
     "boundary",
@@ -98,6 +100,7 @@ __all__ = [
     "summarize",
     "sweep",
     "toughness",
+    "unstable_branch",
     "whole_surface",
     "work_of",
 ]
@@ -105,6 +108,7 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "Axis": "maps",
     "Boundary": "boundary",
     "Map": "maps",
+    "UnstableBranch": "unstable",
     "boundary": "boundary",
     "explore_map": "maps",
     "fit": "fit",
@@ -112,6 +116,7 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "release_rates": "toughness",
     "sensitivities": "sensitivities",
     "toughness": "toughness",
+    "unstable_branch": "unstable",
 }
 
 

@@ -23,7 +23,7 @@ LONG = 0.3  # units, longest step of the arc: from longer ones folds of the slid
 GROWTH = 3.0
 # Of a step of a walk: a point farther from its extrapolation lies on another branch, to which steps twice as long led
 OFF = 0.3
-BACK = 0.03  # units, from a point to the one put before it along its tangent
+FASTER = 1.4  # factor from one step of a walk to the next: with 2, half of the steps are taken again
 # units: a point nearer than this to the State at the target is none of its past. From two such points no arc goes on;
 # steps of the arc become no shorter than a tenth of this
 NEAREST = 1e-3
@@ -69,16 +69,17 @@ def walk_arc(corrector, points: Sequence[Point]) -> Iterator[Point]:
         chord, arcs = on_chord(points)
         point = point_at(corrector, secants, chord, arcs[0] + step, points, OFF * step)
         if point is not None and np.abs(point.v - points[0].v).max() <= GROWTH * step:
-            points, step, turned = [point, *points[:2]], 2.0 * step, False
+            points, step, turned = [point, *points[:2]], FASTER * step, False
             yield point
         elif turned:
             step *= 0.5
         else:  # the branch turned beyond what the last points foretell
-            points, turned = [points[0], _before(corrector, *points[:2])], True
+            step *= 0.5
+            points, turned = [points[0], _before(corrector, *points[:2], step)], True
 
 
-def _before(corrector, point, last):
-    """The Point just before another one, along the tangent there; last: an earlier one."""
+def _before(corrector, point, last, step):
+    """The Point a step before another one, nm, along the tangent there; last: an earlier one."""
     along = corrector.direction(point)
-    back = np.copysign(BACK * corrector.problem.unit / np.abs(along).max(), dot(along, point.v - last.v))
+    back = np.copysign(step / np.abs(along).max(), dot(along, point.v - last.v))
     return Point(point.load - back, point.v - back * along)
