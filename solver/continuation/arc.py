@@ -75,7 +75,7 @@ def walk_arc(corrector, points: Sequence[Point]) -> Iterator[Point]:
             step *= 0.5
         else:  # the branch turned beyond what the last points foretell
             step *= 0.5
-            points, turned = [points[0], _before(corrector, *points[:2], step)], True
+            points, turned = [points[0], _before(corrector, points[0], points[1], step)], True
 
 
 def _before(corrector, point, last, step):
