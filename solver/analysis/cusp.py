@@ -5,8 +5,8 @@ h = <psi, A_v[phi, phi]>. At a cusp h = 0, too. Newton's steps solve R = 0, g = 
 U_x and log p. One bordered matrix gives all they need: with w_0 and w_p, its solutions for -R and -R_p, a step is
 dv = w_0 + alpha phi + dp w_p, and two numbers, alpha and dp, are left to be found.
 
-Below a cusp the branch has no fold nearby. If the third derivative h_v phi is positive there, the state is a maximum of
-g: it lies between two folds more, and the cusps are a pair beside it.
+Beyond a cusp the branch has no fold nearby, unless g has a maximum there: then the boundary is a pair of cusps beside
+it. A walk over the period finds the folds that are left.
 Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibria, doi:10.1137/1.9780898719543, ch. 8.
 """
 
@@ -192,7 +192,7 @@ def along_folds(state: State, name: str, way: float, spend: Callable[[System], N
         if at.h * sign <= 0.0:
             return at.state
         row, unit = at.scaled
-        along = way * sign * np.array([row[1], -row[0]]) / np.linalg.norm(row) + 0.0
+        along = way * sign * np.array([row[1], -row[0]]) / np.linalg.norm(row)
         while step > SHORTEST:
             change = at.correction + step * along
             new = _on_fold(at.moved(change[0] * unit, change[1])[0], name, spend)
