@@ -51,11 +51,13 @@ from .tables import DataError
 from .text import scene_from_text
 
 if TYPE_CHECKING:
+    from .analysis.boundary import Boundary, boundary
     from .analysis.curve_files import read_measurement
     from .analysis.fit import fit
     from .analysis.maps import Axis, Map, explore_map
     from .analysis.sensitivities import sensitivities
     from .analysis.toughness import release_rates, toughness
+    from .analysis.unstable import UnstableBranch, unstable_branch
 
 __version__ = "0.2.0.dev0"
 __all__ = [
@@ -64,6 +66,7 @@ __all__ = [
     "METHODS",
     "SURFACES",
     "Axis",
+    "Boundary",
     "Certificate",
     "Checkpoint",
     "DataError",
@@ -77,8 +80,10 @@ __all__ = [
     "SceneError",
     "Skeleton",
     "SlipEvent",
+    "UnstableBranch",
     "__version__",
     "advance",
+    "boundary",
     "certify",
     "explore_map",
     "fit",
@@ -95,18 +100,23 @@ __all__ = [
     "summarize",
     "sweep",
     "toughness",
+    "unstable_branch",
     "whole_surface",
     "work_of",
 ]
 LAZY = {  # {name: module}, imported when first asked for: a run does not need them
     "Axis": "maps",
+    "Boundary": "boundary",
     "Map": "maps",
+    "UnstableBranch": "unstable",
+    "boundary": "boundary",
     "explore_map": "maps",
     "fit": "fit",
     "read_measurement": "curve_files",
     "release_rates": "toughness",
     "sensitivities": "sensitivities",
     "toughness": "toughness",
+    "unstable_branch": "unstable",
 }
 
 

@@ -1,0 +1,34 @@
+// Between slips: the unstable branch that a slip jumps over, dashed behind the curves (solver/analysis/unstable.py).
+
+import { order, take } from "../../static/js/channel.js"
+import { addPart, charts } from "../../static/js/charts.js"
+import { by, on, tell } from "../../static/js/dom.js"
+import { declare, me, view } from "../../static/js/store.js"
+
+const CURVES = [["forces", "F", "--shear"], ["forces", "L", "--normal"], ["area", "A", "--area"]]
+const DASH = [3, 4]
+
+export function connect() {
+  declare({ unstable: [] })
+  for (const [chart, name] of CURVES) addPart(chart, `between_${name}`, { kind: "lines", list: [] }, name)
+  on("unstable", "change", () => {
+    order("unstable", { shown: by("unstable").checked })
+    if (!by("unstable").checked) show({ list: [], why: "" })
+  })
+  take("branches", show)
+  view(["unstable", "run"], draw)
+}
+
+function show({ list, why }) {
+  me.unstable = by("unstable").checked ? list : []
+  tell(by("unstable-why"), by("unstable").checked ? why : "")
+}
+
+// Only over the displacement: along other paths slips are those of other branches
+function draw() {
+  const along = me.run?.head.abscissa === "U_x" ? me.unstable : []
+  for (const [chart, name, ink] of CURVES) {
+    const list = along.map((branch) => ({ x: branch.U_x, y: branch[name], ink, width: 1, dash: DASH }))
+    charts[chart].fill(`between_${name}`, { list })
+  }
+}
