@@ -30,6 +30,7 @@ def functions(names: Collection[str]) -> str:
 def _body(name):
     named = lambda other: assets.imported(name, other)  # noqa: E731
     text = assets.text(name).replace(ROOT, "const root = $root").replace(NAMED, "$later(name)")
+    text = text.replace("import.meta.url", f'new URL("../{name}", import.meta.url)')  # scripts lie in static
     text = IMPORT.sub(lambda m: f"const {m[1] or _renamed(m[2])} = $get({json.dumps(named(m[3]))})", text)
     text = LATER.sub(lambda m: f"$later({m[1]}{named(m[2])}{m[1]})", text)
     exports = EXPORT.findall(text) + ["root"] * ("const root = $root" in text)

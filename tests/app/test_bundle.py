@@ -35,6 +35,11 @@ def test_a_script_has_every_module_that_its_stages_need_and_no_other_root():
     assert modules.NAMED in assets.text(assets.MAIN) and text.count("const root = $root") == 2
 
 
+def test_no_module_of_a_stage_looks_for_files_beside_itself():
+    """In a layout of somebody else's there are none."""
+    assert "import.meta" not in bundle.script(*KINDS)
+
+
 def test_no_style_of_a_stage_reaches_beyond_it():
     style = bundle.script(bundle.PLAYED).split("function makeStage")[0]
     assert ":root" not in style and "html, body" not in style and "@media (max-width" not in style
@@ -50,4 +55,6 @@ def test_the_page_has_each_module_once_and_loads_the_others_when_asked_for():
     scripts = {name for name in assets.files() if name.endswith(".js")} - {modules.OPENING}
     for name in scripts:
         assert (f'"{name}"() {{' in first) != (f'"{name}"() {{' in later), name
+    beside = 'new URL("../features/theory/index.js", import.meta.url)'  # else files beside a module are not found
+    assert beside in first and not re.search(r"[( ]import\.meta\.url", first.replace(beside, ""))
     assert '"features/tour/tour.js"() {' in later and '"static/js/player.js"() {' in first
