@@ -16,7 +16,7 @@ export function connect() {
     if (!by("unstable").checked) show({ list: [], why: "" })
   })
   take("branches", show)
-  view(["unstable", "run"], draw)
+  view(["unstable", "run", "drawn"], draw)
 }
 
 function show({ list, why }) {
@@ -24,9 +24,12 @@ function show({ list, why }) {
   tell(by("unstable-why"), by("unstable").checked ? why : "")
 }
 
-// Only over the displacement: along other paths slips are those of other branches
+// That of the slip to come, or of the last one: all of them would hide each other. Only over the displacement, as along
+// other paths slips are those of other branches
 function draw() {
-  const along = me.run?.head.abscissa === "U_x" ? me.unstable : []
+  const { run, unstable } = me, here = run?.curves.U_x[Math.max(0, me.drawn)] ?? 0
+  const next = unstable.find(({ U_x }) => U_x[0] >= here) ?? unstable.at(-1)
+  const along = next && run?.head.abscissa === "U_x" ? [next] : []
   for (const [chart, name, ink] of CURVES) {
     const list = along.map((branch) => ({ x: branch.U_x, y: branch[name], ink, width: 1, dash: DASH }))
     charts[chart].fill(`between_${name}`, { list })
