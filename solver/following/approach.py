@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..continuation.branch import continue_branch
+from ..continuation.branch import SEARCH, continue_branch
 from ..continuation.corrector import Corrector
+from ..continuation.fold import fold_near
 from ..continuation.landing import motion_to_rest
 from ..continuation.onset import mixed
 from ..continuation.rest import Judge
@@ -21,16 +22,23 @@ OFF = 0.1  # units: a state farther from its extrapolation may lie beyond a jump
 CLOSE, CLOSER = 0.03, 0.01  # units: from a state nearer to it the next step is 1.4 times, or twice as long
 
 
-def walk(problem: Equilibrium, judge: Judge, closed: float, state: State, target: float) -> Iterator[State | End]:
+def walk(
+    problem: Equilibrium, judge: Judge, closed: float, state: State, target: float, expected: Sequence[End] = ()
+) -> Iterator[State | End]:
     """Yields each State from `state` to load `target`, nm, and each End on the way, with the State after it.
 
-    Every state is judged. closed: as of `motion.Motion`. Raises NotConverged.
+    Every state is judged. closed: as of `motion.Motion`; expected: folds that may lie ahead. Raises NotConverged.
     """
     corrector = Corrector(problem)
     state, step = _begun(corrector, state), FIRST * problem.unit
+    folds = [fold for end in expected if end.kind == "fold" and (fold := fold_near(problem, end, SEARCH))]
     while state.load < target:
         reached = None
-        if step > SHORTEST * problem.unit:
+        ahead = next((fold for fold in folds if state.load < fold.load < state.load + step), None)
+        if ahead and ahead.load < target and (between := _between(corrector, judge, state, ahead)):
+            yield between
+            reached = ahead
+        elif step > SHORTEST * problem.unit:
             reached, step = _stepped(corrector, judge, state, min(state.load + step, target), step)
             if reached is None:
                 continue
@@ -42,6 +50,18 @@ def walk(problem: Equilibrium, judge: Judge, closed: float, state: State, target
         else:
             state, step = reached, max(step, STEP * problem.unit)
             yield state
+
+
+def _between(corrector, judge, state, fold):
+    """The State half-way from `state` to a fold ahead; None where none lies near their interpolation: no one branch."""
+    passed = [Point(*point) for point in state.past]
+    branch = Branch((*passed[::-1], Point(fold.load, fold.v)), fold)
+    guess = branch.at(fold.load - 0.25 * (fold.load - state.load))
+    solution = corrector.solve(guess.v, guess.load, state.secants)
+    if solution is None or np.abs(solution.v - guess.v).max() > OFF * corrector.problem.unit:
+        return None
+    mode = judge.accept(corrector.problem, solution.v, state.mode)
+    return State.at_rest(guess.load, solution.v, residual=solution.residual) if mode.rests else None
 
 
 def rested(reached: State | End) -> State:

@@ -178,7 +178,7 @@ class _Check:
         self.walked = stored or [Branch((Point(*state[:2]),))]
         expected = [jump for jump in skeleton.trace.jumps if jump.load > state.load]
         self.jumps = [jump for jump in skeleton.trace.jumps if jump.load <= state.load]
-        for reached in walk(problem, self.judge, self.closed, state, scene.delta):
+        for reached in walk(problem, self.judge, self.closed, state, scene.delta, [*expected]):
             self.load = reached.load
             if isinstance(reached, End) and not self._jumped(reached, expected):
                 return state.v

@@ -28,7 +28,7 @@ function skeletonOf(buffer) {
 function branchesOf(buffer, { branches: kinds, unit }, size) {
   const count = kinds.reduce((sum, { states }) => sum + states, 0), loads = new Float64Array(buffer, 0, count)
   const row = new Int32Array(buffer, 8 * count, size), after = 8 * count + row.byteLength
-  const states = statesOf(row, new Int16Array(buffer, after, (count - 1) * size), unit)
+  const states = statesOf(row, stepsOf(new Uint8Array(buffer, after, 2 * (count - 1) * size)), unit)
   let from = 0
   const branches = kinds.map(({ states: n, ...kind }) => {
     const branch = { ...kind, loads: loads.subarray(from, from + n), states: states.slice(from, from + n) }
@@ -36,6 +36,12 @@ function branchesOf(buffer, { branches: kinds, unit }, size) {
     return { ...branch, places: Array.from(branch.loads, (load) => placeIn(branch, load)) }
   })
   return { branches, bytes: after + 2 * (count - 1) * size }
+}
+
+// Steps from their low bytes and their high ones: 2 k for k >= 0, -2 k - 1 for others
+function stepsOf(bytes) {
+  const n = bytes.length / 2, both = (i) => bytes[i] | (bytes[n + i] << 8)
+  return Int32Array.from({ length: n }, (_, i) => (both(i) >> 1) ^ -(bytes[i] & 1))
 }
 
 // States, nm, from steps of the steps between nodes, those of later states being changes
