@@ -33,7 +33,7 @@ def walk(
     state, step = _begun(corrector, state), FIRST * problem.unit
     folds = [fold for end in expected if end.kind == "fold" and (fold := fold_near(problem, end, SEARCH))]
     while state.load < target:
-        reached = None
+        reached: State | End | None = None
         ahead = next((fold for fold in folds if state.load < fold.load < state.load + step), None)
         if ahead and ahead.load < target and (between := _between(corrector, judge, state, ahead)):
             yield between
