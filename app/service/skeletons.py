@@ -5,9 +5,9 @@ Once the slider rests the worker checks that it is the run of its scene; then th
 
 The deflated bytes are: uint32 length of the head, the head in JSON, the shear, and the approach if it is known. Of
 either: of all branches in order, float64 loads (n,) in nm and their states (n, size). A state has u_x and the gap of
-each node, and in shear U_z under a held load. Fields are smooth, so that of the first state come int32 steps of the
-steps from node to node, and of the others the same of the change since the state before: 2 k for k >= 0, -2 k - 1 for
-others, as the low bytes of all, then the high ones. Deflated, that is a seventh shorter than int16.
+each node, and in shear U_z under a held load. Fields are smooth: of the first state come int32 steps of the steps from
+node to node, and of others the same of the change since the state before: 2 k for k >= 0, -2 k - 1 for others, as the
+low bytes of all, then the high ones, which deflate by a seventh more than int16.
 """
 
 import re
@@ -15,7 +15,6 @@ import zlib
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -30,8 +29,6 @@ from solver.run.load_steps import load_steps_of
 from solver.run.summary import widest
 
 UNIT, UNIT_OF_FLATS = 8e-5, 1e-6  # nm: interpolated u_x then errs by less than 1e-3; all nodes of a flat err alike
-# times as coarse is the approach, each number to itself, as only its curves are drawn. With 5, A began half a node late
-LOWERED = 2.0
 LEVEL = 4  # of zlib: 6 takes 1 to 3 % fewer bytes, and three times as long, which was a tenth of a prediction
 LARGEST = 2**15 - 1  # of a step in two bytes
 GAIN = 4.0  # by which interpolation may amplify the error of rounding
@@ -122,7 +119,7 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
     """
     scene, m = skeleton.scene, skeleton.nodes
     first, sent = _part(scene, skeleton.first, m)
-    shear, body = _traced(skeleton, skeleton.branches, 1.0, _in_sum)
+    shear, body = _traced(skeleton, skeleton.branches, _in_sum)
     head = of_scene(scene) | {
         "nodes": sent,
         "first": first,
@@ -135,7 +132,7 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
         "shear": shear | {"slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips]},
     }
     if approach:
-        lowered, more = _traced(skeleton, approach, LOWERED, np.rint)
+        lowered, more = _traced(skeleton, approach, np.rint)  # only its curves are drawn
         ends = [(branch.end, *_at_end(skeleton, branch)) for branch in approach if branch.slip]
         head["lowered"] = lowered | {"slips": ends, "increments": load_steps_of(scene)[0].increments}
         body += more
@@ -147,7 +144,7 @@ def _at_end(skeleton, branch):
     return forces_and_area(skeleton.scene, skeleton.tractions(branch.states[-1].v[None])[0])
 
 
-def _traced(skeleton, branches, coarser, rounded):
+def _traced(skeleton, branches, rounded):
     """Return what the head has of branches, and their bytes."""
     scene, m = skeleton.scene, skeleton.nodes
     branches = [_refined(branch) for branch in branches]
@@ -158,10 +155,10 @@ def _traced(skeleton, branches, coarser, rounded):
     _, sent = _part(scene, skeleton.first, m)
     v = np.delete(v, np.r_[sent:m, m + sent : 2 * m], axis=1)
     unit, rounded = (UNIT_OF_FLATS, np.rint) if scene.surface == "flat" else (UNIT, rounded)
-    unit, row, rows = _steps(v, coarser * unit, rounded)
+    unit, row, rows = _steps(v, unit, rounded)
     loads = np.concatenate([branch.loads for branch in branches])
-    head = {"unit": unit, "branches": [_branch(branch) for branch in branches]}
-    return head, loads.tobytes() + row.tobytes() + rows.tobytes()
+    kinds = [{"states": len(b.states), "slips": b.slip is not None, "periodic": b.periodic} for b in branches]
+    return {"unit": unit, "branches": kinds}, loads.tobytes() + row.tobytes() + rows.tobytes()
 
 
 def _refined(branch):
@@ -202,8 +199,3 @@ def _steps(v, unit, rounded):
         unit *= np.ceil(largest / LARGEST)
         if unit > COARSEST:
             raise NotFollowed("a predicted state is too far from the one before")
-
-
-def _branch(branch) -> dict[str, Any]:
-    """Return what the head has of a Branch."""
-    return {"states": len(branch.states), "slips": branch.slip is not None, "periodic": branch.periodic}

@@ -11,7 +11,8 @@ import panel as pn
 import param
 
 from app.document import on_loop
-from app.features.lab.feature import TEXT, back, slider_name
+from app.features.lab.feature import back, slider_name
+from app.features.lab.look import CHART, HEADING, TEXT
 from app.features.lab.tasks import tried
 from app.service.caller import Lost
 from app.service.jobs import jobs
@@ -25,7 +26,6 @@ BUG = "It could not be computed. See the server's log, then reload the page."
 PAUSE = 0.2  # s without a change of the sliders before a computation begins
 APART = 0.5  # s between two drawings of results
 CELLS = "td, th { padding: 0.3rem !important }"  # tables fit onto a phone in a wide font, too
-WIDE = {"flex": "1 1 420px"}  # of plots beside each other, where there is room for two
 SLIDER = {"flex": "1 1 200px", "max-width": "320px"}
 
 
@@ -67,8 +67,9 @@ class LabPage(param.Parameterized):
         done = pn.bind(lambda share: round(100 * (share or 0)), self.param.share)
         progress = pn.indicators.Progress(value=done, visible=busy)
         cancel = pn.widgets.Button(label="Cancel", on_click=on_loop(self.cancel), visible=busy)
-        heading = [pn.pane.HTML(pn.bind(back, self.param.scene))] if "lab" in pn.state.session_args else []
-        heading.append(pn.pane.Markdown(f"# {self.TITLE}\n{self.STATEMENT}"))
+        title = pn.pane.HTML(f"<h1 style='font-size: 18px; margin: 0'>{self.TITLE}</h1>")
+        there = [pn.pane.HTML(pn.bind(back, self.param.scene))] if "lab" in pn.state.session_args else []
+        heading = [pn.Row(*there, title, styles=HEADING), pn.pane.Markdown(self.STATEMENT)]
         if pn.state.curdoc:
             pn.state.onload(on_loop(self.start))
         else:  # in a notebook
@@ -85,7 +86,7 @@ class LabPage(param.Parameterized):
 
     def chart(self, curves: Callable[[], Sequence[Curve]], x: str, y: str, **look: Any) -> pn.pane.Bokeh:
         """Return the chart of curves(), which follows the parameters of the page; look: as of `live_plots.chart`."""
-        plot = chart(curves(), x, y, styles=WIDE, **look)
+        plot = chart(curves(), x, y, styles=CHART, **look)
         plot.axis.axis_label_text_font_size = plot.axis.major_label_text_font_size = TEXT
         for legend in plot.legend:
             legend.label_text_font_size = TEXT

@@ -21,6 +21,7 @@ from bokeh.models import CustomJS
 from panel.io.resources import LOCAL_DIST
 
 from app import interface
+from app.features.lab.look import TEXT, css, theme
 from app.limits import DEFAULT
 from app.session.controls import CONTROLS, FOR_BROWSER, Control, address_of, scene_from_address
 from app.session.orders import LARGEST
@@ -28,8 +29,8 @@ from solver import Scene
 
 log = logging.getLogger("app")
 BUG = "The page could not be opened. See the server's log, then reload the page."
+BACK = "color: inherit; text-decoration: none; border: 1px solid; border-radius: 6px; padding: 4px 10px"
 ICON = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg'/%3E"
-TEXT = "14px"  # Panel and Bokeh have 11 to 13 px
 
 
 def slider_name(control: Control) -> str:
@@ -91,7 +92,7 @@ def back(scene: Scene) -> str:
     """Return the link to the experiment with a scene, as it was when it was left: its class, theme and view."""
     given = {name: pn.state.session_args[name][-1] for name in FOR_BROWSER if name in pn.state.session_args}
     values = address_of(scene, DEFAULT) | given
-    return f'<a style="color: inherit" href="?{escape(urlencode(values))}">← Back to the experiment</a>'
+    return f'<a style="{BACK}" href="?{escape(urlencode(values))}">← Back to the experiment</a>'
 
 
 @cache
@@ -133,11 +134,12 @@ class Feature(interface.Feature):
 
 
 def _serve(doc, arguments):
-    name, theme = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
+    name, ground = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
+    dark = ground == "dark"
     doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
     doc.js_on_event("document_ready", CustomJS(code=MEND))
-    pn.extension(theme="dark" if theme == "dark" else "default", browser_info=False)
-    doc.theme = "dark_minimal" if theme == "dark" else None
+    pn.extension(theme="dark" if dark else "default", browser_info=False, raw_css=[css(dark)])
+    doc.theme = theme(dark)
     scene, _, notes = scene_from_address(arguments)
     page = pn.pane.HTML(back(scene))
     try:

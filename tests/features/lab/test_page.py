@@ -7,6 +7,7 @@ from served import finished, found_by_axe
 from tabs import DESKTOP, Tabs
 
 from app.features.lab.feature import listed
+from app.features.lab.look import colours
 
 QUICK = "?nodes=64&width=160&radius=0.6&u_x_max=12&du_x=0.2&du_z=0.5&E=35&theme=dark"
 LONG = "area_laws", "stick_slip"  # their runs are those of the paper, in full size
@@ -61,7 +62,9 @@ def test_a_page_opens_from_the_menu_with_the_scene_computes_or_is_cancelled_and_
         cancel.click()
         tab.get_by_text("Cancelled.").wait_for()
     cancel.wait_for(state="hidden")
-    assert "#ffffff" not in tab.evaluate(BACKGROUNDS).values()  # the theme is dark
+    ground = colours(dark=True)["page"]  # of the experiment
+    assert set(tab.evaluate(BACKGROUNDS).values()) == {ground}
+    tab.wait_for_function("height => document.documentElement.scrollHeight > height", arg=0.9 * DESKTOP["height"])
     tab.wait_for_function(f"() => !({SMALL})().length")  # no text is smaller than 14 pixels
     for width in (820, 390):
         tab.set_viewport_size({"width": width, "height": 1180})
