@@ -86,12 +86,11 @@ def certified(scene: Scene, skeleton: Skeleton) -> Certified:
     _known.move_to_end(key)
     while len(_known) > KNOWN:
         _known.popitem(last=False)
-    exact = made.skeleton
     try:
-        body = packed(exact, made.approach)
+        body = packed(made.skeleton, made.approach)
     except NotFollowed as why:
         return Certified(Frames(evaluations=made.evaluations), failure=str(why))
-    return Certified(_about(made), body, exact, (made.states, made.folds, made.landings))
+    return Certified(_about(made), body, made.skeleton, (made.states, made.folds, made.landings))
 
 
 def _about(made):
