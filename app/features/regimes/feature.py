@@ -3,7 +3,8 @@
 from typing import Any
 
 from app import interface
-from app.features.regimes.page import AXES, QUANTITIES
+from app.features.regimes.grid import AXES
+from app.features.regimes.page import QUANTITIES
 
 
 class Feature(interface.Feature):

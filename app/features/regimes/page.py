@@ -15,24 +15,18 @@ from scipy.ndimage import distance_transform_edt
 
 from app.features.pages.sheet import Sheet
 from app.features.regimes import tasks
+from app.features.regimes.grid import AXES, COLUMNS, FIRST, ROWS, grid_of
+from app.features.regimes.store import stored
 from app.service import metrics
 from app.service.cache import Cache
 from app.service.pool import HEAVY
 from solver import Scene, SceneError
-from solver.analysis.maps import REGIMES, Axis, Map, Point
+from solver.analysis.maps import REGIMES, Point
 from solver.following.skeleton import Skeleton
 from solver.scene import PARAMETERS
 
 TITLE, ORDER = "Map of regimes", 6
-COLUMNS, ROWS = 33, 25
 AT_ONCE = 8  # points that a visitor waits for: enough for all workers; later ones start from more known points
-AXES = {  # axes to choose from: label, low, high, whether logarithmic, ticks
-    "delta_bar": ("press depth δ/δ₀", -0.8, 1.0, False, (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)),
-    "phi_ratio": ("friction / adhesion φₜ/φₙ", 0.01, 2.0, True, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)),
-    "E": ("stiffness E (GPa)", 15.0, 1000.0, True, (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)),
-    "phi_n": ("adhesion φₙ (N/m)", 0.5, 5.0, True, (0.5, 1.0, 2.0, 5.0)),
-    "nu": ("Poisson's ratio ν", 0.1, 0.45, False, (0.1, 0.2, 0.3, 0.4)),
-}
 QUANTITIES = {  # of a Point: label and unit
     "F_s": ("friction Fₛ", "N/m"),
     "U_s": ("displacement Uₛ", "nm"),
@@ -56,7 +50,7 @@ class Page(Sheet):
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self.names, self.of = ("delta_bar", "phi_ratio"), "F_s"
+        self.names, self.of = FIRST, "F_s"
         self.grid, self.known = None, {}  # {(i, j): (Point, Scene of its cached Skeleton or None)}
         self.left = []  # (i, j) not requested yet, the next one last
         self.asking = False
@@ -100,11 +94,9 @@ class Page(Sheet):
         return pickle.loads(skeletons[nearest]) if nearer else None
 
     def _around(self, scene):
-        """Return the Map of a scene, for any values of the parameters on its axes; raises SceneError."""
+        """Return the Map of a scene; raises SceneError."""
         path = "unload" if self.of == "L_min" else "shear"  # a separate map; all its points are runs
-        base = scene.changed(path=path, **{name: AXES[name][1] for name in self.names})
-        counts = zip(self.names, (COLUMNS, ROWS), strict=True)
-        return Map(base, *(Axis(name, *AXES[name][1:3], count, AXES[name][3]) for name, count in counts))
+        return grid_of(scene, self.names, path)
 
     def _holds(self, scene):
         """Whether a scene is on the map."""
@@ -117,7 +109,8 @@ class Page(Sheet):
 
     def _begin(self, grid):
         self.sweep.cancel()
-        self.grid, self.known, self.drawn = grid, {}, 0
+        self.grid, self.drawn = grid, 0
+        self.known = {(point.i, point.j): (point, None) for point in stored(grid)}
         self._ask_anew()
 
     def _ask_anew(self):

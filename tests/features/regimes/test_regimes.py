@@ -7,9 +7,11 @@ import pytest
 from visitor import messages, order
 
 from app.features.regimes import tasks
-from app.features.regimes.page import AT_ONCE, COLUMNS, ROWS, labels, limits, outlines
+from app.features.regimes.grid import COLUMNS, FIRST, ROWS, grid_of
+from app.features.regimes.page import AT_ONCE, labels, limits, outlines
+from app.features.regimes.store import stored
 from solver import Scene
-from solver.analysis.maps import REGIMES, Axis, Map, Point
+from solver.analysis.maps import REGIMES, Axis, Map, Point, computed_point
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 
@@ -39,10 +41,31 @@ def is_point(task):
 
 
 @pytest.fixture
-def page(session):
-    """The page, opened."""
+def page(session, monkeypatch):
+    """The page, opened where no map is stored."""
+    monkeypatch.setattr("app.features.regimes.page.stored", lambda grid: [])
     order(session, "page", page="regimes")
     return session.features["pages"].page
+
+
+def test_the_map_of_the_default_experiment_is_there_when_the_page_opens(session):
+    order(session, "page", page="regimes")
+    page = session.features["pages"].page
+    assert not page.sweep.waiting and len(page.known) == COLUMNS * ROWS and page.published["busy"] is None
+    order(session, "ask", what="axes", x="delta_bar", y="E")
+    assert len(page.sweep.waiting) == AT_ONCE and not page.known  # another map is computed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", [(2, 22), (14, 18), (31, 3)])
+def test_a_stored_map_has_what_its_scenes_give(place):
+    """To 1e-3 of the force, as maps are followed; else run `python -m app.features.regimes.store`."""
+    grid = grid_of(Scene(), FIRST, "shear")
+    found, known = grid.task(place, {}), {(point.i, point.j): point for point in stored(grid)}[place]
+    there = computed_point(found)[0]
+    assert (known.regime, known.sites) == (there.regime, there.sites)
+    for name in "U_s", "F_s", "A_s", "A_0":
+        assert getattr(known, name) == pytest.approx(getattr(there, name), rel=1e-3, abs=1e-6), name
 
 
 def test_map_is_refined_from_coarse_to_complete(session, page):
