@@ -40,6 +40,10 @@ FARTHER = 1.3
 # units from both ends of the motion: where it slows down and speeds up again farther from them, it has stalled, as
 # at a saddle that it just passes, or where it just turns back. Oscillations about the ends stay below
 STALLED = 0.3
+# factor of the distance from the end of a branch. Near the border of stick-slip the surface creeps away from a fold for
+# longer than a motion takes that never rests; while it gets farther, it is not restless. Without inertia that took more
+# than BUDGET steps
+FARTHER_BY = 1.01
 STALLS = 50  # most states kept for that; so many mean that it has stalled
 # units from the end of a branch, which an oscillation after flutter soon reaches, whatever its start. From 0.6 on the
 # motion is decided: repeated from there, a rough surface landed alike where motions from the end do not
@@ -96,7 +100,7 @@ class Transient:
         self.motion = (Motion if isfinite(damping) else Creep)(problem.motion(), y, self.load, damping, closed)
         self.pace = SLOW if isfinite(damping) and trial.finer == 1.0 else 1.0
         self.ahead, self.starting, self.steps, self.elapsed = np.zeros(problem.size), end.located, 0, 0.0
-        self._left, self._since = False, (0, 0.0)
+        self._left, self._since, self._farthest = False, (0, 0.0), 0.0
         if fall is not None:
             self.motion, self.load, self.v = fall.motion.copy(), fall.load, fall.v.copy()
             self.pace, self.starting = 1.0, False
@@ -150,6 +154,8 @@ class Transient:
         self.starting = self._near_end(self.v) and not self.repeats
         if self.end.kind == "flutter" and not self._left:
             self._note_fall()
+        elif self.starting and (away := np.abs(self.v - self.end.v).max()) > FARTHER_BY * self._farthest:
+            self._farthest, self._since = away, (self.steps, self.elapsed)
 
     def _note_fall(self):
         """Keep the present state if it is still near the end of the branch, which moves about as far as the load.
@@ -234,7 +240,8 @@ class Transient:
         share = min(max(1e-4 * self.unit, 2e-3 * (self.load - self.end.load)), 1e-3 * self.unit)
         self.load += share / self.trial.finer if self.end.kind == "flutter" else share
         if self.load > self.end.load + 5.0 * self.unit:
-            raise Restless(f"the surface does not come to rest: it flutters, residual {self._residual():.2g} nm")
+            how = "it flutters" if self.end.kind == "flutter" else "it moves on while the load rises"
+            raise Restless(f"the surface does not come to rest: {how}, residual {self._residual():.2g} nm")
         rise = self.load - self.end.load
         if self.repeats and rise > WANDERED * self.unit:
             raise NotConverged("the load rises too far for the motion to agree with another one", Outcome.RESTLESS)

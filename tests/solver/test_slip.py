@@ -365,3 +365,13 @@ def test_endlessly_drifting_waves_are_reported_soon_with_a_remedy():
         list(load_path(scene))
     *_, last = load_path(scene.changed(E=70.0))
     assert last.stage == "shear"
+
+
+@pytest.mark.slow
+def test_a_slip_that_creeps_away_from_its_fold_near_the_border_of_stick_slip_comes_to_rest():
+    """Its fold is almost a cusp: the soft layer takes ten thousand steps to leave, which counted as flutter."""
+    scene = Scene(E=15.0, phi_ratio=1.05 * 0.0027453694, u_x_max=1.4)  # 5 % above the border
+    ours, plain = ([f for f in load_path(scene, method) if f.stage == "shear"] for method in ("fast", "gfmd"))
+    assert sum(len(frame.slips) for frame in ours) == 1
+    force = max(abs(frame.F_bar) for frame in plain)
+    assert [f.F_bar for f in ours] == pytest.approx([f.F_bar for f in plain], abs=1e-6 * force)
