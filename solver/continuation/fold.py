@@ -64,7 +64,8 @@ class Bordered:
 def fold_near(problem: Problem, guess: End, options: FoldOptions = FoldOptions()) -> End | None:
     """The fold of a problem next to a guess, or None if there is none within reach.
 
-    The guess's phi may have any length. It and psi may be None: without phi its state must be close to the fold.
+    The guess's phi may have any length; that of the fold points the same way. It and psi may be None: without phi its
+    state must be close to the fold.
     """
     try:
         with np.errstate(divide="ignore", invalid="ignore"):  # where a null vector vanishes; nan is never accepted
@@ -78,13 +79,15 @@ def _search(problem, guess, options):
     phi, psi, r = guess.phi, guess.psi, np.empty(problem.size)
     if phi is None:
         phi = problem.direction  # near a fold, solves with the bordered matrix turn it
+    way = phi  # that the surface leaves: motions that began backwards took twenty times the steps
     matrix, slow, last = None, False, (np.inf, np.inf)
     for _ in range(15):  # folds that exist took 10 steps at most in the slider box
         worst = problem.residual(v, load, r)
         sharp = last[0] <= options.load * unit and last[1] <= options.state * unit
         if matrix is not None and sharp and worst <= problem.tolerance:
             psi = matrix.psi / np.linalg.norm(problem.direction)
-            found = End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
+            forth = np.copysign(1.0 / np.abs(phi).max(), phi @ way)
+            found = End(load, v, forth * phi, psi=psi, residual=float(worst))
             return found if (matrix.slopes @ phi <= 0.0) == options.least else None
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
             if slow and options.sharper < options.accuracy:
