@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .schema import as_number
-from .tables import DataError
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +27,14 @@ LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 PERIOD = "One period: the last point repeats the first"  # in a file that `Profile.to_csv` wrote
 NO_UNIT = "No unit was found: x and z are read as nm. If that is wrong, write x (um), z (um) above the numbers."
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
+
+
+class DataError(ValueError):
+    """An unusable file or profile; the message gives the reason and the number of the line, if any, as `line`."""
+
+    def __init__(self, reason: str, line: int | None = None) -> None:
+        self.line = line
+        super().__init__(f"line {line}: {reason}" if line else reason)
 
 
 @dataclass(frozen=True)

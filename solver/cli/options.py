@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..presets import preset
-from ..profile import read_profile
 from ..run.loadpath import SOFT_LIMIT
 from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
-from ..tables import DataError
+from ..surfaces import DataError
 from ..text import number_from_text, scene_from_text
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
@@ -84,6 +83,8 @@ def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
     start = preset(named).scene.differences() if named else {}
     given = settings(pairs)
     texts = {name: str(value) for name, value in start.items()} | given
+    from ..measured.profile import read_profile  # only a measured surface needs it
+
     file, unit, profile = texts.pop("profile", None), texts.pop("unit", None), None
     if unit is not None and file is None:
         raise InputError(f"unit = {unit!r}: used with profile=FILE only; leave it out, or name a file")

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from solver import NotConverged, NotFollowed, Scene, follow, simulate, skeleton_of
-from solver.analysis.curve_files import read_measurement
-from solver.analysis.fit import fit
-from solver.analysis.measurement import DataError, Measurement, noise_of
-from solver.analysis.trial import Model
+from solver.measured.curves import read_measurement
+from solver.measured.fit import fit
+from solver.measured.measurement import DataError, Measurement, noise_of
+from solver.measured.trial import Model
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 WIDE = Scene(nodes=128, width=312.5, delta_bar=0.1, u_x_max=20.0)  # an eighth of the default

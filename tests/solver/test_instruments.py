@@ -7,9 +7,9 @@ import pytest
 from SurfaceTopography import Topography, UniformLineScan
 
 from solver import DataError, read_profile
-from solver.instruments import is_instruments, read_line
-from solver.length_units import factor
-from solver.smoothing import ALPHA, least_cut_off, smoothed
+from solver.measured.instruments import is_instruments, read_line
+from solver.measured.smoothing import ALPHA, least_cut_off, smoothed
+from solver.measured.units import factor
 
 X = np.arange(400) * 2.5  # nm
 HILLS = 4.0 * np.cos(2.0 * np.pi * X / 250.0)

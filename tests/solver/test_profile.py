@@ -11,10 +11,10 @@ import pytest
 from solver import DataError, Profile, Scene, SceneError, load_path, read_profile, simulate
 from solver.analysis.peeling import edges
 from solver.cautions import cautions
-from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
+from solver.measured.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
+from solver.measured.tables import MOST_BYTES
 from solver.scene import LIMITS
 from solver.surfaces import LENGTHS, NO_UNIT
-from solver.tables import MOST_BYTES
 from solver.text import number_from_text
 
 X = np.linspace(0.0, 640.0, 257)

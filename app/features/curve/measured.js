@@ -1,5 +1,5 @@
 // A measured curve and a run: which stage of the run each segment belongs to, and how far both are apart. The rules are
-// those of solver/analysis/comparison.py; a test compares both.
+// those of solver/measured/comparison.py; a test compares both.
 
 const WAY = { approach: "approach", retract: "unload" } // stages of a run for segments of a load
 const SLIDES = ["shear", "back", "forth", "move"]

@@ -7,9 +7,9 @@ import numpy as np
 from app.service import worker
 from app.service.tasks import MEMORY
 from solver import DataError, Scene
-from solver.analysis.comparison import noise_in
-from solver.analysis.curve_files import read_measurement
-from solver.analysis.recording import KINDS
+from solver.measured.comparison import noise_in
+from solver.measured.curves import read_measurement
+from solver.measured.recording import KINDS
 
 FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
 LAID = 500  # points of a measured curve that the browser draws and compares with each picture of a drag

@@ -23,10 +23,10 @@ from app.features.lab.tasks import flat_frames
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
 from solver import fit
-from solver.analysis.curve_files import read_measurement
-from solver.analysis.measurement import Measurement
-from solver.analysis.recording import Recording
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
+from solver.measured.curves import read_measurement
+from solver.measured.measurement import Measurement
+from solver.measured.recording import Recording
 from solver.text import counted
 
 FREE = {  # label: parameter that can be free

@@ -7,7 +7,7 @@ import numpy as np
 from app.service import worker
 from app.service.tasks import MEMORY
 from solver import DataError, Profile, read_profile
-from solver.profile import LONG, SteepError, read_trace
+from solver.measured.profile import LONG, SteepError, read_trace
 
 DRAWN = 400  # points of a drawn curve, about one per pixel
 

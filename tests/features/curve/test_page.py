@@ -8,7 +8,7 @@ from served import finished
 from tabs import imported
 
 from solver import Scene, simulate
-from solver.analysis.curve_files import read_measurement
+from solver.measured.curves import read_measurement
 
 pytestmark = pytest.mark.thorough
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .length_units import factor
-from .tables import DataError
+from ..surfaces import DataError
+from .units import factor
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 MISSING = 1e9  # nm: heights beyond are marks of missing points

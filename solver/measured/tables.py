@@ -12,6 +12,8 @@ from unicodedata import normalize
 import numpy as np
 from numpy.typing import NDArray
 
+from ..surfaces import DataError
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -28,14 +30,6 @@ NAME, UNIT = r"[^\W\d][\w.-]{0,40}", r"[\[(][^\])]{0,40}[\])]|/ ?\S{1,40}"
 HEADING = re.compile(rf"({NAME}(?: {NAME}){{0,4}}) ?({UNIT})?")
 BLANKS = re.compile(rf"{NAME}(?:\s?(?:{UNIT}|/\s?\S{{1,40}}))?")  # a column of a heading that blanks separate
 RAISED = str.maketrans("⁻¹·*", "-1  ")
-
-
-class DataError(ValueError):
-    """An unusable file or profile; the message gives the reason and the number of the line, if any, as `line`."""
-
-    def __init__(self, reason: str, line: int | None = None) -> None:
-        self.line = line
-        super().__init__(f"line {line}: {reason}" if line else reason)
 
 
 class Column(NamedTuple):

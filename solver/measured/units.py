@@ -3,7 +3,7 @@
 import re
 from unicodedata import normalize
 
-from .tables import DataError
+from ..surfaces import DataError
 
 NM = {  # words of a unit, in small letters: nm
     1.0: ("nm", "nanometer", "nanometre"),

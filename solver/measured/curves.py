@@ -6,13 +6,14 @@ from itertools import groupby
 
 import numpy as np
 
-from ..length_units import FACTORS
 from ..run.frame import STAGES, Stage
 from ..scene import Scene
-from ..tables import LISTED, SHOWN, Column, DataError, Source, listed, read_table
+from ..surfaces import DataError
 from ..text import UNITS, counted
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
+from .tables import LISTED, SHOWN, Column, Source, listed, read_table
+from .units import FACTORS
 
 NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A; U_x and A"
 # What a heading may say in place of a name, in small letters without blanks and signs

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene import LIMITS
+from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, NO_UNIT, PERIOD, STEEPEST, DataError, Profile, averaged
+from ..text import counted
 from .instruments import is_instruments, read_line
-from .length_units import FACTORS, factor, units_above
-from .scene import LIMITS
 from .smoothing import least_cut_off, smoothed
-from .surfaces import EVEN, FEWEST_POINTS, LENGTHS, NO_UNIT, PERIOD, STEEPEST, DataError, Profile, averaged
 from .tables import SHOWN, Source, content_of, listed, read_table, reject_gaps
-from .text import counted
+from .units import FACTORS, factor, units_above
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
 PART = 2_000.0  # nm
