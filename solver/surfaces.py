@@ -6,6 +6,7 @@ The largest gap lies at the ends of the cell, so contact spreads across them las
 `read_profile` puts its deepest valley there, which means over the node spacing may fill.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -25,16 +26,44 @@ FEWEST_NODES = 8  # to a wavelength of a wave: linear between them, its slope is
 FEWEST_POINTS = 2 * FEWEST_NODES  # of a measured profile: two waves
 LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 PERIOD = "One period: the last point repeats the first"  # in a file that `Profile.to_csv` wrote
-NO_UNIT = "No unit was found: x and z are read as nm. If that is wrong, write x (um), z (um) above the numbers."
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
 
 
 class DataError(ValueError):
-    """An unusable file or profile; the message gives the reason and the number of the line, if any, as `line`."""
+    """An unusable file or profile; the message gives the reason and the call that would read the file, if any.
 
-    def __init__(self, reason: str, line: int | None = None) -> None:
-        self.line = line
-        super().__init__(f"line {line}: {reason}" if line else reason)
+    line: its number in the file, or None. reason: without line and call. table: the `solver.measured.tables.Table` that
+    was seen, or None. call: {argument: value} that would read the file; values not known are `...`. function: what is
+    called, up to its first argument.
+    """
+
+    def __init__(
+        self, reason: str, line: int | None = None, table: Any = None, call: dict[str, Any] | None = None
+    ) -> None:
+        self.reason, self.line, self.table, self.call = reason, line, table, call or {}
+        self.function = ""
+        super().__init__(reason)
+
+    @property
+    def brief(self) -> str:
+        """The reason with the line, without a call."""
+        return f"line {self.line}: {self.reason}" if self.line else self.reason
+
+    def __str__(self) -> str:
+        if not (self.call and self.function):
+            return self.brief
+        return f"{self.brief}; call {self.function}{''.join(f', {k}={_written(v)}' for k, v in self.call.items())})"
+
+
+def _written(value):
+    """An argument as Python has it, `...` for what is not known."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{_written(k)}: {_written(v)}' for k, v in value.items())}}}"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_written, value))})"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    return "..." if value is ... else f"{value:g}" if isinstance(value, float) else repr(value)
 
 
 @dataclass(frozen=True)

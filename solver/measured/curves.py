@@ -1,39 +1,58 @@
 """Measured curves from text files: which column is what, in which unit, and which way it was measured."""
 
 import re
-from dataclasses import replace
+from collections.abc import Mapping
 from itertools import groupby
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from ..run.frame import STAGES, Stage
 from ..scene import Scene
 from ..surfaces import DataError
-from ..text import UNITS, counted
+from ..text import counted
+from .columns import Given, asked, called, for_user, given, not_used, recognised
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
-from .tables import LISTED, SHOWN, Column, Source, listed, read_table
-from .units import FACTORS
+from .tables import SHOWN, Source, listed, read_table
+from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor
 
 NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A; U_x and A"
-# What a heading may say in place of a name, in small letters without blanks and signs
-NAMED = {
-    "U_x": ("ux", "displacement", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
+KINDS = ("friction", "loop", "load", "area")
+ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
+NAMED = {  # what a heading may say, in small letters without blanks and signs
+    "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
+    "displacement": ("displacement",),  # along the surface or into it: the other column or `kind` tells
     "F_bar": ("fbar",),
     "F": ("fx", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
-    "force": ("f", "force"),  # F beside U_x, time or an area; L beside a height
+    "force": ("f", "force"),  # F beside U_x or an area; L beside delta or a height
     "L_bar": ("lbar",),
-    "L": ("l", "fz", "fn", "load", "normalload", "normalforce", "tb", "deflection", "verticaldeflection"),
+    "L": ("l", "fz", "fn", "load", "normalload", "normalforce", "verticaldeflection", "vdeflection"),
     "A_bar": ("abar",),
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
-    "height": ("height", "gap", "separation", "tipsampleseparation"),  # falls as delta grows
+    "height": ("height", "heightmeasured", "gap", "separation", "tipsampleseparation"),  # falls as delta grows
     "position": ("z", "zsense", "zsensor", "zposition", "piezo", "position", "normaldisplacement"),  # either way
-    "time": ("time", "t", "times", "elapsedtime"),
+    "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
-PARTS = {  # words for a segment, in a cell or before the name of a column
+DEEP, FORCES, LOADS, AREAS = ("delta", "height", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
+SURE = (  # kind, over one of, one of; the first that a heading names is meant
+    ("friction", ("U_x",), (*FORCES, "force")),
+    ("friction", ("displacement",), FORCES),
+    ("load", DEEP, (*LOADS, "force")),
+    ("load", ("U_x",), LOADS),
+    ("friction", ("time",), FORCES),
+    ("area", ("U_x", *FORCES, "force", *LOADS), AREAS),
+)
+MEANT = {  # the same where `kind` is given
+    "friction": (("U_x", "displacement", "time"), (*FORCES, "force")),
+    "load": ((*DEEP, "displacement", "U_x"), (*LOADS, "force")),
+    "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
+}
+PARTS = {  # words for a segment
     "approach": ("approach", "extend", "loading", "false", "0"),
     "retract": ("retract", "withdraw", "unloading", "true", "1"),
     "hold": ("hold", "pause", "dwell", "intermediate", "2"),
@@ -42,133 +61,324 @@ PARTS = {  # words for a segment, in a cell or before the name of a column
 }
 PART_OF = {word: part for part, words in PARTS.items() for word in words}
 OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move": "forth"}  # others keep their name
-NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12, "g": 9.80665e-3}
-SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
+FORCES_TOLD = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
+FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
 SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?([^",]{1,60})')
-SPEED = re.compile(r"([\d.]+(?:[eE][-+]?\d+)?)\s*(?:(nm|um|µm|mm|cm|m)/s(?:ec)?)?\s*$")
-SPEED_UNIT = re.compile(r"\b(nm|um|µm|mm|cm|m)/s")
-LENGTHS = UNITS["nm"] | {unit: FACTORS[unit] for unit in ("micron", "cm")}
-GLUED = re.compile(r"^(time)-?\d[\d.e+-]*$", re.I)  # the last name of a heading, which afmformats once left without end
 MOST_SAID = 100
 
 
 def read_measurement(
-    scene: Scene, source: Source, speed: float | None = None, force: float | None = None
+    scene: Scene,
+    source: Source,
+    speed: float | None = None,
+    force: float | None = None,
+    kind: str | None = None,
+    columns: Given | None = None,
+    units: Mapping[str, str] | None = None,
+    part: tuple[float, float] | None = None,
+    sign: Mapping[str, float] | None = None,
+    deflection: float | None = None,
+    channel: str | int | None = None,
 ) -> Measurement | Recording:
-    """Reads a measured curve from a text file with a heading: friction over U_x or time, a loop, a load, an area.
+    """Reads a measured curve from a table with a heading: friction over U_x or time, a loop, a load, an area.
 
-    NAMED lists what headings may say, UNITS and NEWTONS the units that are converted, as in U_x (um). Other columns and
-    incomplete rows are left out. Of a file of a run the column `stage` names the segments; one stage of shear is a
-    friction curve. L counts beside F, and L_bar beside F_bar, because w E may be a free parameter.
+    NAMED lists what headings may say. Other columns and incomplete rows are left out. Of a file of a run the column
+    `stage` names the segments; one stage of shear is a friction curve. L counts beside F, and L_bar beside F_bar.
 
     Parameters: scene: gives w E and w, over which forces in N/m and areas in nm are taken; source: a path, or the
-    content of a file: text with line breaks, bytes, or an open file; speed: nm/s, of friction over time, where the file
-    does not say it; force: N/m per unit of forces in N or V: the width of the contact across the pull is in it.
+    content of a file: text with line breaks, bytes, or an open file. kind: one of KINDS, where columns do not tell.
+    columns: {"U_x", "delta", "time", "F", "L", "A": name or number of a column, None for none}. units: {the same:
+    unit}, also "0.5 nN" for what 1 in the file is. sign: {"L": -1} turns a column. part: only from .. to, nm of U_x
+    or delta, or in the unit of a force. deflection: stiffness of the lever, N/m: L over it is taken off delta.
+    speed: nm/s, of friction over time. force: N/m per unit of the forces: the width of the contact across the pull is
+    in it. channel: the number of a table, from 1 on, where there are several.
     Returns a Measurement of a friction curve in N/m or as F_bar, which `fit` takes, its noise estimated; else a
     Recording, a loop in N/m among them.
-    Raises DataError, and TypeError for a scene that is none.
+    Raises DataError; where an argument is missing, it shows the table and the call that reads the file. TypeError for a
+    scene that is none.
 
     Example: `read_measurement(Scene(), "measured.csv").noise`
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is read_measurement(scene, source)")
-    table = read_table(source, NEEDED, lambda columns: bool(_kind(_sides(columns)[0][1])))
-    return _Reader(scene, table, speed, force).read()
+    options: dict[str, Any] = {
+        "speed": speed,
+        "force": force,
+        "kind": kind,
+        "columns": columns,
+        "units": units,
+        "part": part,
+    }
+    options |= {"sign": sign, "deflection": deflection, "channel": channel}
+    try:
+        if kind is not None and kind not in KINDS:
+            raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
+        return _Reader(scene, read_table(source, NEEDED, channel), SimpleNamespace(**options)).read()
+    except DataError as error:
+        raise for_user(error, "read_measurement(scene, ", source, options) from None
 
 
 class _Reader:
-    """A Table on its way to a curve: `units` of its columns, and `notes` on how they were read."""
+    """A Block on its way to a curve. how: the arguments; units: of its quantities; notes: how they were read.
 
-    def __init__(self, scene, table, speed, force):
-        self.scene, self.table, self.speed, self.force = scene, table, speed, force
-        self.said = _said(table.above)
-        self.notes = [f"line {table.end} begins another table: left out."] * bool(table.end)
-        glued = [column.name[:SHOWN] for column in table.columns if GLUED.search(column.name)]
-        self.notes += [f"the first row stands in the heading, behind {name!r}: left out." for name in glued]
+    of: {quantity: index of its column}; role: {quantity: what its heading says it is}.
+    """
+
+    def __init__(self, scene, block, how):
+        self.scene, self.block, self.how, self.table = scene, block, how, block.table
+        self.said = _said(block.table.above)
         self.units: dict[str, str] = {}
-        self.assumed: dict[str, str] = {}  # units of columns that name none
+        self.known = recognised(self.table, NAMED)
+        self.given = given(self.table, how.columns, ROLES)
+        self.own = {k: role for role, k in self.known.items()}  # what a heading says of a column
+        self.known = {role: k for role, k in (self.known | self.given).items() if k is not None}
+        self.notes: list[str] = []
 
     def read(self):
         """The Measurement or Recording."""
-        sides = _sides(self.table.columns)
-        of = sides[0][1]
-        self.stages = self._stages(of)
-        kind = _kind(of) if self.stages is None or _sliding(self.stages) else "load"
-        taken = [(side, self._taken(roles, kind)) for side, roles in sides]
-        used = {index for _, columns in taken for _, index in columns.values()}
-        used |= {of[role] for role in ("stage", "segment", "L", "L_bar") if role in of}
-        names = [column.name for k, column in enumerate(self.table.columns) if k not in used]
-        unused = [name for name in names if name[:1].isalpha()]
-        # in the file of a run they are
-        self.notes += [f"not used: {listed(unused)}."] * bool(unused and not {"residual", "evaluations"} <= set(unused))
-        if self.speed is not None and kind != "time":
-            raise DataError(f"speed = {self.speed:g}: used with friction over time only; leave it out")
-        read = {"friction": self._friction, "time": self._friction, "load": self._load, "area": self._area}
-        return read[kind](taken)
+        self.stages = self._stages()
+        self.kind = self._kind()
+        values, lines = self._values()
+        values = self._turned(values)
+        kept = self._part(values)
+        lines, values = lines[kept], {name: column[kept] for name, column in values.items()}
+        return {"friction": self._friction, "load": self._load, "area": self._area}[self.kind](lines, values)
 
-    def _taken(self, of, kind):
-        """{"U_x", "delta", "time", "F", "L" or "A": (role, index)} of the columns that a curve of that kind takes."""
-        force = next((role for role in ("F_bar", "F", "force") if role in of), None)
-        area = next((role for role in ("A", "A_bar") if role in of), None)
-        load = next((role for role in ("L", "L_bar") if role in of), None)
-        if kind == "load":
-            across = next(role for role in ("delta", "height", "position", "U_x") if role in of)
-            names = {"delta": across, "L": load or force}
-        elif kind == "area":
-            over = {"U_x": "U_x"} if "U_x" in of else {"F": force} if force else {"L": load}
-            names = over | {"A": area}
-        else:
-            own, other = ("L_bar", "L") if force == "F_bar" else ("L", "L_bar")
-            if other in of and own not in of:
+    def _kind(self):
+        """The kind of the curve, "friction" for a loop as well; sets `of`. Raises DataError where it is not certain."""
+        known, kind = self.known, self.how.kind
+        wanted = [role for role in ("U_x", "delta", "time") if self.given.get(role) is not None]
+        sides = (
+            [("friction" if kind == "loop" else kind, *MEANT["friction" if kind == "loop" else kind])] if kind else SURE
+        )
+        if not kind and self.how.speed is not None:
+            sides = (*sides, ("friction", ("time",), ("force",)))
+        if not kind and "displacement" in known and not {"U_x", *FORCES, *DEEP} & known.keys():
+            sides = ()  # a machine's displacement and force may be those of a press
+        for found, over, value in sides:
+            over = [role for role in wanted or over if role in over and role in known]
+            value = [role for role in value if role in known and known[role] != known.get(over[0] if over else "")]
+            if over and value and (self.stages is None or kind or found == self._stage_kind()):
+                self._take(found, over[0], value[0])
+                return found
+        raise self._asked_kind(kind)
+
+    def _stage_kind(self):
+        return "friction" if _sliding(self.stages) else "load"
+
+    def _take(self, kind, over, value):
+        """Sets `of` and `role`: the columns of a curve of that kind, L and A beside a friction force among them."""
+        self.role = {_quantity(over, kind): over, _quantity(value, kind): value}
+        if kind == "friction":
+            own, other = ("L_bar", "L") if value == "F_bar" else ("L", "L_bar")
+            if other in self.known and own not in self.known:
                 self.notes.append(
-                    f"{other} is left out beside {force.replace('force', 'F')}; give {own}: w E may be free."
+                    f"{other} is left out beside {value.replace('force', 'F')}; give {own}: w E may be free."
                 )
-            names = {"U_x" if kind == "friction" else "time": "U_x" if kind == "friction" else "time", "F": force}
-            names |= {"L": own if own in of else None, "A": area}
-        return {name: (role, of[role]) for name, role in names.items() if role}
+            self.role |= {_quantity(role, kind): role for role in (own, *reversed(AREAS)) if role in self.known}
+        self.of = {name: self.known[role] for name, role in self.role.items()}
+        for name, k in self.of.items():  # a column that is named may be a height all the same
+            if name == "delta" and self.own.get(k) in ("height", "position"):
+                self.role[name] = self.own[k]
+        for name in [name for name in self.of if name not in self._needed() and self._unit(name) is None]:
+            if self.how.units and name in self.how.units:
+                continue
+            self.of.pop(name)
 
-    def _friction(self, taken):
+    def _needed(self):
+        return list(self.role)[:2]
+
+    def _asked_kind(self, kind):
+        """The DataError for columns that are not certain."""
+        known = self.known
+        kind = "friction" if kind == "loop" else kind
+        if not kind and "displacement" in known and {"force", *LOADS} & known.keys():
+            reason = "a displacement and a force: along the surface (friction, loop) or into it (load)?"
+            return DataError(f"{reason} {self.table}", table=self.table, call={"kind": ...})
+        if not kind and {"time", "force"} <= known.keys():
+            call = {"kind": "friction", "speed": ...}
+            return DataError(f"a force over time; {self.table}", table=self.table, call=call)
+        deep, areas = ({*DEEP, *LOADS} & known.keys(), {*AREAS} & known.keys())
+        kind = kind or ("area" if areas else "load" if deep and not {"U_x", *FORCES} & known.keys() else "friction")
+        names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
+        over, value = MEANT[kind]
+        of = {
+            name: next((known[r] for r in roles if r in known), None)
+            for name, roles in zip(names, (over, value), strict=True)
+        }
+        reason = "which column is what is not certain; needed: U_x (or time) and F, delta and L, or A over one of these"
+        units = {name: (k is not None and self.table.columns[k].unit) or ... for name, k in of.items()}
+        own = all(column.unit for column in self.table.columns if column.low == column.low)
+        return asked(self.table, reason, of, names, **({} if own else {"units": units}))
+
+    def _unit(self, name):
+        """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
+        role, column = self.role[name], self.table.columns[self.of[name]]
+        wanted = (self.how.units or {}).get(name)
+        if role.endswith("_bar"):
+            return 1.0, "w" if name == "A" else "w E"
+        kinds = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}
+        known = kinds.get(name, LENGTHS)
+        own = column.unit or ""
+        own = own if own in known or (known is LENGTHS and own.lower() in known) else None
+        if self.how.force is not None and name in "FL" and name in self.of:
+            if own in PER_WIDTH or own == "F_s":
+                raise DataError(f"force = {self.how.force:g}, but {column.name} is in {own}; leave force out")
+            return self.how.force, "N/m"
+        unit = wanted or own
+        if unit is None:
+            return None
+        allowed = ALLOWED if known is LENGTHS else ", ".join(known)
+        times = factor(unit, known, allowed, f"units[{name!r}]" if wanted else column.name)
+        if wanted and own and factor(own, known) != times:
+            raise DataError(
+                f"units[{name!r}] = {wanted!r}, but the file names {own}; leave it out, or correct the file"
+            )
+        word = (TIMES.fullmatch(unit) or [0, 0, unit])[2]
+        if name in "FL":
+            return times, "F_s" if word == "F_s" else "N/m" if word in PER_WIDTH else "N"
+        return times, "A_0" if word == "A_0" else "nm"
+
+    def _values(self):
+        """({quantity: (k,)} of complete rows in `units`, numbers of their lines (k,)). Raises DataError."""
+        scaled = {name: self._unit(name) for name in self.of}
+        if missing := [name for name in self._needed() if scaled[name] is None]:
+            raise self._asked_units(missing)
+        self.units |= {name: unit for name, (_, unit) in scaled.items()}
+        values = np.column_stack([self.block.numbers(name, k) * scaled[name][0] for name, k in self.of.items()])
+        self.rows = np.ones(len(values), bool)
+        if self.kind == "friction" and self.stages is not None and len(slides := _sliding(self.stages)) == 1:
+            self.rows = self.stages == slides[0]
+        complete = np.isfinite(values).all(axis=1)
+        missing = self.block.lines[self.rows & ~complete].tolist()
+        count = counted(len(missing), "row")
+        self.notes += [f"{count} without all numbers left out (line {listed(missing)})."] * bool(missing)
+        self.rows &= complete
+        if not self.rows.any():
+            raise DataError(f"no row has numbers in all of {', '.join(self.of)}; needed: {NEEDED}")
+        used = [
+            *self.of.values(),
+            *(self.known[role] for role in ("stage", "segment", "L", "L_bar") if role in self.known),
+        ]
+        if self.stages is None:
+            self.notes += not_used(self.block, used)
+        self.notes += self.block.notes
+        return dict(zip(self.of, values[self.rows].T, strict=True)), np.flatnonzero(self.rows)
+
+    def _asked_units(self, missing):
+        """The DataError for quantities without a unit that is known."""
+        whys = []
+        for name in missing:
+            unit, allowed = self.table.columns[self.of[name]].unit, FORCES_TOLD if name in "FL" else ALLOWED
+            why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
+            whys.append(f"{why}; allowed units: {'s, ms, min, h' if name == 'time' else allowed}")
+            if unit and name == "A" and re.search("[²2]", unit):
+                whys.append("divide it by its value without shear, and write A/A_0")
+        over = [name for name in self._needed() if not self.role[name].endswith("_bar")]
+        units = {name: ... if name in missing else self._own(name) for name in over}
+        return asked(self.table, "; ".join(whys), self.of, self._needed(), units=units)
+
+    def _own(self, name):
+        return (self.how.units or {}).get(name) or self.table.columns[self.of[name]].unit
+
+    def _turned(self, values):
+        """The quantities with their signs, without the deflection of the lever; asks for a sign that may be wrong."""
+        sign = dict(self.how.sign or {})
+        for name, by in sign.items():
+            if name not in values or by not in (1, -1):
+                raise DataError(f"sign has {name!r}: {by!r}; allowed: 1 or -1 of {', '.join(values)}; give such a sign")
+            values[name] = by * values[name]
+        if self.kind == "load":
+            self._approaching(values, sign)
+        elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > 0.95:
+            raise self._asked_sign({"L": ...}, "L is negative: a pull (sign 1), or counted downwards (sign -1)?")
+        if self.how.deflection is not None:
+            k = self.how.deflection
+            if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
+                raise DataError(
+                    f"deflection = {k!r}: allowed: above 0, N/m, of a load in N; leave it out, or give units"
+                )
+            values["delta"] = values["delta"] - 1e9 * values["L"] / k
+        return values
+
+    def _approaching(self, values, sign):
+        """Gives delta the sign with which it grows as the surfaces approach; asks where it may be either."""
+        delta, L, role = values["delta"], values["L"], self.role["delta"]
+        if role == "height" and "delta" not in sign:
+            delta = values["delta"] = -delta
+        far = delta[0]
+        if role == "position" and "delta" not in sign:
+            spring = [
+                f"{key} = {text}" for key, text in self.said.items() if re.search("spring|force con|stiffn", key, re.I)
+            ]
+            beside = f"; the file says {spring[0]}: deflection= takes the lever off it" if spring else ""
+            likely = -1 if delta[np.argmax(L)] < far else 1
+            raise self._asked_sign(
+                {"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?{beside}"
+            )
+        deep = np.argsort(delta)
+        edge = max(1, delta.size // 20)
+        if "L" not in sign and np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]]):
+            raise self._asked_sign(
+                {"L": ...}, "L falls as the surfaces approach: a pull (sign 1), or counted downwards (-1)?"
+            )
+
+    def _title(self, name):
+        return repr(self.table.columns[self.of[name]].name[:SHOWN])
+
+    def _asked_sign(self, sign, reason):
+        return DataError(f"{reason} {self.table}", table=self.table, call={"sign": sign})
+
+    def _part(self, values):
+        """Which points (k,) are in the part that is asked for."""
+        over = values.get(self._needed()[0])
+        if self.how.part is None or "time" in values:
+            return slice(None)
+        start, end = map(float, self.how.part)
+        inside = (over >= start) & (over <= end)
+        if inside.sum() < FEWEST:
+            found = f"{over.min():.6g} .. {over.max():.6g} {self.units[self._needed()[0]]}"
+            raise DataError(
+                f"part = {self.how.part}: {counted(int(inside.sum()), 'point')} of {found}; give a part of that"
+            )
+        self.notes.append(f"{inside.sum()} of {over.size} points are used, from {start:g} to {end:g}.")
+        return inside
+
+    def _friction(self, lines, values):
         """Friction over U_x, or over time at a speed: one stroke, or a loop."""
-        ((_, columns),) = taken
-        slides = _sliding(self.stages) if self.stages is not None else []
-        lines, values = self._values(columns, slides[0] if len(slides) == 1 else None)
         if "time" in values:
             time = values.pop("time")
             if np.any(np.diff(time) < 0.0):
                 raise DataError("time goes back; keep one stroke, or sort the lines by time")
             values = {"U_x": self._speed() * (time - time[0])} | values
+            self.units["U_x"] = "nm"
+        elif self.how.speed is not None:
+            raise DataError(f"speed = {self.how.speed:g}: used with friction over time only; leave it out")
+        slides = _sliding(self.stages) if self.stages is not None else []
         if len(slides) == 1:
             return self._stroke(values)
         parts = self._named(lines, bool(slides)) or parts_of(values["U_x"], "forth", "back")
         strokes = [part for part in parts if part[0] != "hold"]
-        if len(strokes) > 1:
+        if self.how.kind == "loop" or (len(strokes) > 1 and self.how.kind is None):
             return self._recording("loop", "U_x", parts, values)
+        if len(strokes) > 1:
+            raise DataError(f"U_x goes to and fro in {len(strokes)} strokes", call={"kind": "loop"})
         name, at = strokes[0]
         if name == "back":
-            raise DataError("U_x falls from first to last; turn the signs of U_x and F, or sort the lines")
+            reason = "U_x falls from first to last; turn the signs of U_x and F, or sort the lines"
+            raise DataError(reason, call={"sign": {"U_x": -1, "F": -1}})
         held = values["U_x"].size - at.size
         self.notes += [f"a hold of {counted(held, 'point')} was left out."] * (held > 0)
         return self._stroke({key: column[at] for key, column in values.items()})
 
-    def _load(self, taken):
+    def _load(self, lines, values):
         """Load over approach, and retraction."""
-        across, parts, size, sides = taken[0][1]["delta"][0], [], 0, []
-        for side, columns in taken:
-            lines, values = self._values(columns)
-            values["delta"] *= _downwards(across, values, side)
-            own = self._named(lines, False) or ([(side, np.arange(lines.size))] if side else None)
-            parts += [(name, at + size) for name, at in own or parts_of(values["delta"], "approach", "retract")]
-            size += lines.size
-            sides.append(values)
-        values = {name: np.concatenate([each[name] for each in sides]) for name in ("delta", "L")}
-        return self._recording("load", "delta", parts, values, across != "delta")
+        parts = self._named(lines, False) or parts_of(values["delta"], "approach", "retract")
+        return self._recording("load", "delta", parts, values, self.own.get(self.of["delta"]) != "delta")
 
-    def _area(self, taken):
+    def _area(self, lines, values):
         """Area over U_x; or over a force: F, or L where there is no other."""
-        ((_, columns),) = taken
-        lines, values = self._values(columns)
-        over = next(name for name in ("U_x", "F", "L") if name in columns)
+        over = self._needed()[0]
         if over == "U_x":
             parts = self._named(lines, False) or parts_of(values["U_x"], "forth", "back")
             return self._recording("area over displacement", over, parts, values)
@@ -189,7 +399,7 @@ class _Reader:
         bars = {f"{name}_bar": values[name] / over.get(self.units[name], 1.0) for name in "FLA" if name in values}
         unit, width = over["N/m"] if self.units["F"] == "N/m" else None, self.scene.width
         width = width if self.units.get("A") == "nm" else None
-        return Measurement.of(U_x, bars, None, unit, self._notes(), width, self.said)
+        return Measurement.of(U_x, bars, None, unit, tuple(self.notes), width, self.said)
 
     def _recording(self, kind, over, parts, values, free=False):
         """The Recording of parts of columns, over one of them."""
@@ -198,184 +408,73 @@ class _Reader:
         others = [name for name in values if name != over]
         segments = [Segment(name, values[over][at], {key: values[key][at] for key in others}) for name, at in parts]
         units = {name: self.units[name] for name in values}
-        return Recording(kind, tuple(segments), units, free, self.said, self._notes())
+        return Recording(kind, tuple(segments), units, free, self.said, tuple(dict.fromkeys(self.notes)))
 
-    def _notes(self):
-        assumed = " and ".join(f"{name} as {unit}" for name, unit in self.assumed.items())
-        unknown = [f"no unit found: {assumed} read; if that is wrong, write it in the heading."] if assumed else []
-        return tuple(dict.fromkeys([*self.notes, *unknown]))
-
-    def _values(self, columns, stage=None):
-        """(numbers of lines (k,), {name: column (k,) in its unit}) of complete rows, of one stage if given."""
-        factors = {name: self._factor(name, role, self.table.columns[k]) for name, (role, k) in columns.items()}
-        rows = self.stages == stage if stage is not None else slice(None)
-        table = replace(self.table, cells=self.table.cells[rows])
-        lines, values, left_out = table.numbers({name: k for name, (_, k) in columns.items()})
-        if not lines.size:
-            raise DataError(f"no row has numbers in all of {', '.join(columns)}; needed: {NEEDED}")
-        self.notes += left_out
-        self.units.setdefault("U_x", "nm")
-        return lines, {name: values[name] * factors[name] for name in columns}
-
-    def _stages(self, of):
+    def _stages(self):
         """The column `stage`, as a run writes it; None without one. Raises DataError for one of other words."""
-        if "stage" not in of:
+        if "stage" not in self.known:
             return None
-        stages = self.table.cells[of["stage"]]
-        known = all(Stage(each).kind in STAGES for each in stages.unique())
-        if known and (_sliding(stages) or {"delta", "L"} <= of.keys()):
+        stages = self.block.cells[self.known["stage"]]
+        words = list(dict.fromkeys(map(str, stages)))
+        known = all(Stage(each).kind in STAGES for each in words)
+        if known and (_sliding(stages) or {"delta", "L"} <= self.known.keys()):
             return stages
-        found = ", ".join(repr(each[:SHOWN]) for each in list(stages.unique())[:LISTED])
+        found = ", ".join(repr(each[:SHOWN]) for each in words[:3])
         raise DataError(f"stage: {found}; needed: rows of a stage of shear; keep those, or run with path=shear")
 
     def _named(self, lines, sliding):
         """[(name, indices)] of the rows that a column `stage` or `segment` names; None without one."""
-        roles = {_role(column): k for k, column in reversed(list(enumerate(self.table.columns)))}
-        k = roles.get("stage", roles.get("segment"))
+        k = self.known.get("stage", self.known.get("segment"))
         if k is None:
             return None
-        texts = list(self.table.cells.loc[lines, k])
-        if unknown := [text for text in texts if _part(text) is None]:
-            self.notes.append(f"not used: {self.table.columns[k].name} = {unknown[0][:SHOWN]!r}.")
+        cells = self.block.cells[k][lines]
+        texts = [each if isinstance(each, str) else f"{each:g}" for each in cells]
+        if unknown := [text for text in texts if _part_named(text) is None]:
+            self.notes.append(f"Not used: {self.table.columns[k].name} = {unknown[0][:SHOWN]!r}.")
             return None
         parts, first = [], 0
         for text, group in groupby(texts):
             count = len(list(group))
             moves = not sliding or Stage(text).moves == "U_x"
-            parts += [(_part(text), np.arange(first, first + count))] * moves
+            parts += [(_part_named(text), np.arange(first, first + count))] * moves
             first += count
         return parts
 
     def _speed(self):
-        """nm/s, given or said in the file; raises DataError."""
-        said = {key: value for key, value in self.said.items() if re.search("speed|velocity|rate", key, re.I)}
-        if self.speed is not None:
-            if not 0.0 < self.speed < np.inf:
-                raise DataError(f"speed = {self.speed}; allowed: above 0, in nm/s; give a number in that range")
-            self.notes += [f"speed = {self.speed:g} nm/s as given; the file says {key} = {said[key]}." for key in said]
-            return self.speed
-        for key, value in said.items():
-            if (number := SPEED.match(value)) and (unit := number[2] or SPEED_UNIT.search(key)):
-                self.notes.append(f"speed: {key} = {value}.")
-                return float(number[1]) * FACTORS[unit if isinstance(unit, str) else unit[1]]
-        found = "; ".join(f"the file says {key} = {value}, without a unit" for key, value in said.items())
-        raise DataError(f"friction over time needs a speed{': ' + found if found else ''}; give speed= (nm/s)")
-
-    def _factor(self, name, role, column):
-        """What numbers of a column are multiplied by; its unit is then that in `units`."""
-        unit = "" if column.unit in WHICH else column.unit
-        si = "afmformats" in self.table.above  # writes m and N, and names neither
-        if role.endswith("_bar"):
-            self.units[name], allowed = "w" if name == "A" else "w E", {"": 1.0}
-        elif name == "time":
-            allowed = SECONDS
-        elif name in "FL":
-            return self._force_factor(name, column.name, "N" if si and not unit else unit)
-        else:
-            self.units[name] = "A_0" if unit == "A_0" else "nm"
-            allowed = LENGTHS | ({"A_0": 1.0} if name == "A" else {})
-            unit = "m" if si and not unit else unit
-            if not unit:
-                self.assumed[name] = "nm"
-                return 1.0
-        if unit in allowed:
-            return allowed[unit]
-        surface = name == "A" and re.search("[²2]", unit)
-        remedy = "divide it by its value without shear, and write A/A_0" if surface else "correct it"
-        raise DataError(_unknown(column.name, unit, allowed, f"{remedy} in the heading"))
-
-    def _force_factor(self, name, heading, unit):
-        """As `_factor`, of a force."""
-        per_width, self.units[name] = UNITS["N/m"], "N/m"
-        if (unit in per_width or unit == "F_s") and self.force is not None:
-            raise DataError(f"force = {self.force:g}, but {heading} is in {unit}; leave force out")
-        if self.force is not None:
-            return self.force
-        if unit == "F_s":
-            self.units[name] = unit
-            return 1.0
-        if not unit:
-            self.assumed[name] = "N/m"
-            return 1.0
-        if unit in per_width:
-            return per_width[unit]
-        self.units[name] = "N"
-        if unit in NEWTONS:
-            return NEWTONS[unit]
-        gain, spring = (self._number(key) for key in ("gain, mv/nm", "force constant, nn/nm"))
-        if unit == "V" and gain and spring:
-            self.notes.append(f"{heading} in V: over a gain of {gain:g} mV/nm, times {spring:g} N/m.")
-            return 1e3 / gain * spring * 1e-9
-        remedy = "give force= (N/m per unit), or correct it in the heading"
-        raise DataError(_unknown(heading, unit, per_width | NEWTONS, remedy))
-
-    def _number(self, key):
-        """A number that the file says above its columns, by the end of its name; None without."""
-        text = next((value for name, value in self.said.items() if name.lower().endswith(key)), "")
-        return float(text) if re.fullmatch(r"[\d.]+(?:[eE][-+]?\d+)?", text) else None
-
-
-def _downwards(across, values, side):
-    """1, or -1 where a coordinate falls as the surfaces approach: a height, or what falls up to the largest load."""
-    if across != "position":
-        return -1.0 if across == "height" else 1.0
-    delta = values["delta"]
-    far = delta[-1] if side == "retract" else delta[0]
-    return -1.0 if delta[np.argmax(values["L"])] < far else 1.0
+        """nm/s, as given; raises DataError with what the file says of it."""
+        said = [f"{key} = {text}" for key, text in self.said.items() if re.search("speed|velocity|rate", key, re.I)]
+        if self.how.speed is None:
+            beside = f"; the file says {', '.join(said[:3])}" if said else ""
+            raise DataError(f"friction over time needs the speed in nm/s{beside}", call={"speed": ...})
+        if not 0.0 < self.how.speed < np.inf:
+            raise DataError(f"speed = {self.how.speed}; allowed: above 0, in nm/s; give a number in that range")
+        self.notes += [f"speed = {self.how.speed:g} nm/s as given; the file says {each}." for each in said]
+        return self.how.speed
 
 
 def _said(above):
     """{name: text} of the lines above the columns, as in Velocity = 240 or "speed": 1e-5."""
-    found = (SAID.match(line) for line in above.split("\n"))
+    found = (SAID.match(line) for line in above)
     pairs = [(match[1].strip(), match[2].strip()) for match in found if match and match[2].strip()]
     return dict(pairs[:MOST_SAID])
 
 
-def _sides(columns):
-    """[(name of a segment or "", {role: index})]: two where headings name segments side by side."""
-    sides: dict[str, dict[str, int]] = {}
-    for k, column in enumerate(columns):
-        first, _, rest = column.name.lower().partition(" ")
-        side = PART_OF.get(first, "") if rest else ""
-        role = _role(Column(rest if side else column.name, column.unit))
-        if role:
-            sides.setdefault(side, {}).setdefault(role, k)
-    plain = sides.pop("", {})
-    named = [(side, plain | of) for side, of in sides.items() if _kind(plain | of)]
-    return named or [("", plain)]
-
-
-def _role(column):
-    plain = re.sub(r"[\W_]", "", GLUED.sub(r"\1", column.name.lower()))
-    return next((role for role, words in NAMED.items() if plain in words), None)
-
-
-def _kind(of):
-    """The kind of a curve with columns of these roles; None for none."""
-    tangential = {"F", "F_bar"} & of.keys()
-    if "U_x" in of and (tangential or "force" in of):
-        return "friction"
-    deep = {"delta", "height", "position"} & of.keys()
-    if (deep and {"L", "L_bar", "force"} & of.keys() and not tangential) or ("U_x" in of and "L" in of):
-        return "load"
-    if "time" in of and (tangential or "force" in of):
-        return "time"
-    if {"A", "A_bar"} & of.keys() and {"U_x", "F", "force", "L", "F_bar", "L_bar"} & of.keys():
-        return "area"
-    return None
+def _quantity(role, kind):
+    """What a column of that role is in a curve of that kind."""
+    if role in ("height", "position") or (role in ("displacement", "U_x") and kind == "load"):
+        return "delta"
+    if role == "force":
+        return "L" if kind == "load" else "F"
+    return "U_x" if role == "displacement" else role.removesuffix("_bar")
 
 
 def _sliding(stages):
     """The stages of a column that move U_x to and fro, in order."""
-    return [each for each in stages.unique() if Stage(each).kind in STAGES and Stage(each).moves == "U_x"]
+    words = dict.fromkeys(map(str, stages))
+    return [each for each in words if Stage(each).kind in STAGES and Stage(each).moves == "U_x"]
 
 
-def _part(text):
+def _part_named(text):
     """The name of a segment, from a cell; None for an unknown word."""
     kind = Stage(text).kind
     return OF_STAGE.get(kind, kind) if kind in STAGES else PART_OF.get(text.strip().lower())
-
-
-def _unknown(name, unit, allowed, remedy):
-    units = ", ".join(filter(None, allowed)) or "none"
-    return f"heading: {name} in {unit[:SHOWN]!r}; allowed units: {units}; {remedy}"

@@ -1,26 +1,46 @@
-"""Reads a measured profile, two columns x, z in nm, and makes it periodic; reports what it did and what it rejects."""
+"""Reads a measured profile, x and z in nm, and makes it periodic; reports what it did and what it rejects."""
 
-import re
+from collections.abc import Mapping, Sequence
 from io import StringIO
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import LIMITS
-from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, NO_UNIT, PERIOD, STEEPEST, DataError, Profile, averaged
+from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
 from ..text import counted
+from .columns import Given, asked, for_user, given, not_used, recognised
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
-from .tables import SHOWN, Source, content_of, listed, read_table, reject_gaps
-from .units import FACTORS, factor, units_above
+from .tables import SHOWN, Source, content_of, listed, read_table
+from .units import ALLOWED, factor, mentioned, units_above
+from .units import LENGTHS as NM
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
 PART = 2_000.0  # nm
+LONGEST_GAP = 5  # rows in a row without both numbers
 LOWEST = 0.01  # nm, rms of heights: no instrument measures less
 SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printed twice
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
+NEEDED = "two columns: x, z in nm"
+NAMED = {  # names of columns in small letters without blanks and signs
+    "x": ("x", "distance", "lateral", "length", "position", "xposition", "lateralposition", "scanposition"),
+    "z": ("z", "height", "raw", "profile", "zheight", "profileheight", "rawheight"),
+    "y": ("y",),
+}
+
+
+class How(NamedTuple):
+    """Arguments of `read_profile` that say how a file is read, not what is made of it."""
+
+    unit: str | None = None
+    units: Mapping[str, str] = MappingProxyType({})
+    columns: Given = MappingProxyType({})
+    line: str | None = None
+    channel: str | int | None = None
 
 
 class Points(NamedTuple):
@@ -42,25 +62,25 @@ class Points(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """A profile as measured: x and z (n,) in nm; named: whether the file, or the argument, names their unit."""
+    """A profile as measured: x and z (n,) in nm."""
 
     x: NDArray[np.float64]
     z: NDArray[np.float64]
-    named: bool
 
 
 class SteepError(DataError):
     """Slopes that are not small; cut_off: a wavelength, nm, of a filter that suffices, or None for none."""
 
-    def __init__(self, reason: str, line: int | None, cut_off: float | None) -> None:
-        super().__init__(reason, line)
-        self.cut_off = cut_off
+    cut_off: float | None = None
 
 
-def read_trace(source: Source, unit: str | None = None, line: str | None = None) -> Trace:
-    """Reads the points of a profile as `read_profile` does, without changing any, to be looked at; raises DataError."""
-    points, notes, _ = _points(source, unit, line)
-    return Trace(points.x, points.z, NO_UNIT not in notes)
+def read_trace(source: Source, **how: Any) -> Trace:
+    """Reads the points of a profile as `read_profile` does, without changing any, to be looked at; raises DataError.
+
+    how: `unit`, `units`, `columns`, `line` and `channel` of `read_profile`.
+    """
+    points, _, _ = _points(source, How(**how))
+    return Trace(points.x, points.z)
 
 
 def read_profile(
@@ -71,27 +91,44 @@ def read_profile(
     part: tuple[float, float] | None = None,
     line: str | None = None,
     cut_off: float | None = None,
+    columns: Given | None = None,
+    units: Mapping[str, str] | None = None,
+    channel: str | int | None = None,
 ) -> Profile:
-    """Reads a measured profile from a CSV of x and z (nm), or from the file of an instrument (`solver.instruments`).
+    """Reads a measured profile from a table of x and z, or from the file of an instrument.
 
-    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file. The
-    lines above the numbers may give units, as in x [µm], z [nm]. width: use only the middle part of this width, nm.
+    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file.
+    columns: {"x": ..., "z": ...}, each the name of a column or its number from 1 on, where names do not tell. units:
+    {"x": "um", "z": "nm"}, also "0.5 um"; unit: one for both. The file's own units need none.
+    width: use only the middle part of this width, nm. part: use only that from .. to, nm from the first point. Of more
+    than LONG the middle PART is used, unless width or part is given.
     periodic: whether the points are one period, with or without its first point repeated at the end; by default that is
-    so where the ends meet in height and slope. unit: that of x and z, where the file names none; without either they
-    are read as nm, with a caution. part: use only that from .. to, nm from the first point. Of more than LONG the
-    middle part of PART is used, unless width or part is given. line: "row 12" or "column 12" of a map of heights; by
-    default the row through its highest point. cut_off: wavelength, nm, below which a Gaussian filter removes roughness;
-    nothing is smoothed without it.
+    so where the ends meet in height and slope. line: "row 12" or "column 12" of a map of heights; by default the row
+    through its highest point. channel: the name or number of one of several channels or tables.
+    cut_off: wavelength, nm, below which a Gaussian filter removes roughness; nothing is smoothed without it.
     Returns a Profile with points at equal distances. Of one period all heights are kept. Of another profile the mean
     line is removed, and the ends are joined.
-    Raises DataError.
+    Raises DataError; where an argument is missing, it shows the table and the call that reads the file.
 
     Example: `profile = read_profile("profile.csv")`, then
     `Scene(surface="measured", measured=profile, width=profile.length)`
     """
-    points, notes, marked = _points(source, unit, line)
-    periodic = marked or None if periodic is None and width is None else periodic
-    points, cut = _cut(points, width, part)
+    how = How(unit, units or {}, columns or {}, line, channel)
+    options = {"width": width, "periodic": periodic, "part": part, "cut_off": cut_off} | how._asdict()
+    try:
+        points, notes, marked = _points(source, how)
+        periodic = marked or None if periodic is None and width is None else periodic
+        points, cut = _cut(points, width, part)
+        try:
+            return _made(points, periodic, width, cut_off, [*notes, *cut])
+        except SteepError as error:
+            raise _with_cut_off(error, points, periodic, width) from None
+    except DataError as error:
+        raise for_user(error, "read_profile(", source, options) from None
+
+
+def _made(points, periodic, width, cut_off, notes):
+    """The Profile of Points; raises DataError."""
     _reject_few(points)
     period = _period(points, periodic)
     length = period or (points.length if width is None else float(width))
@@ -101,7 +138,7 @@ def read_profile(
     start = int(np.argmin(z))
     shift = f"Shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
     shift += f"; with fewer nodes than {z.size} each shows the mean over the node spacing."
-    return Profile(length, np.roll(z, -start), (*notes, *cut, *done, *resampled, shift))
+    return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
 
 
 def _one_period(points, period, cut_off):
@@ -110,46 +147,140 @@ def _one_period(points, period, cut_off):
         points = _closed(points, period)
     points, notes = (points, []) if cut_off is None else _filtered(points, cut_off, bool(period))
     if period:
-        _reject_steep(points, True)
+        _reject_steep(points)
         return points, [*notes, f"The ends meet: read as one period of {period:.6g} nm; nothing was removed or joined."]
     points, tilt = _levelled(points)
     points, step = _joined(points)
     return points, [*notes, tilt, step]
 
 
-def _points(source, unit, line):
+def _with_cut_off(error, points, periodic, width):
+    """The SteepError with the least cut-off, to two digits, with which the profile is read to its end."""
+    period = _period(points, periodic)
+    spacing, z = _even(_closed(points, period) if period else points)
+    cut_off = least_cut_off(z[:-1] if period else z, spacing, STEEPEST, bool(period))
+    while cut_off and (cut_off := float(f"{1.1 * cut_off:.2g}")) < 0.5 * points.length:
+        try:
+            _made(points, periodic, width, cut_off, [])
+        except DataError:
+            continue
+        error.cut_off, error.call = cut_off, {"cut_off": cut_off}
+        error.reason += f"; a cut-off of {cut_off:g} nm makes it flat enough, or rescale it"
+        return error
+    error.reason += "; no cut-off makes it flat enough: rescale it, or cut it where its ends are of one height"
+    return error
+
+
+def _points(source, how):
     """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
     content = content_of(source)
-    if isinstance(content, bytes) and is_instruments(content):
-        return _of_instrument(content, unit, line)
-    if line is not None:
-        raise DataError(f"line = {line!r}: allowed with a map of heights only; leave it out")
+    raw = content.replace("\0", "?").encode(errors="replace") if isinstance(content, str) else content
+    if is_instruments(raw):
+        return _of_instrument(raw, how)
+    if how.line is not None:
+        raise DataError(f"line = {how.line!r}: allowed with a map of heights only; leave it out")
     # without a line break, a text would be a path
-    table = read_table(content if isinstance(content, bytes) else StringIO(content), "two columns: x, z in nm")
-    x_z, units, spare = _two_of(table)
-    lines, columns, left_out = table.numbers(dict(zip("xz", x_z, strict=True)), profile=True)
-    units = units or units_above(table.above)
-    if unit is not None and units and {factor(each) for each in units} != {factor(unit)}:
-        named = " and ".join(dict.fromkeys(units))
-        raise DataError(f"unit = {unit!r}, but the file names {named}; leave unit out, or correct the file")
-    unknown = [NO_UNIT] * (units is None and unit is None)
-    units = units or (unit or "nm",) * 2
-    for name, given in zip("xz", units, strict=True):
-        columns[name] = columns[name] * factor(given)
-        large = np.flatnonzero(np.abs(columns[name]) > 1e9)  # a metre: the unit is wrong
+    block = read_table(content if isinstance(content, bytes) else StringIO(content), NEEDED, how.channel)
+    x_z = _x_and_z(block.table, how)
+    units = _units(block.table, x_z, how)
+    x, z = (block.numbers(role, x_z[role]) * factor(units[role]) for role in "xz")
+    lines, x, z, left_out = _complete(block.lines, x, z)
+    for name, values in (("x", x), ("z", z)):
+        large = np.flatnonzero(np.abs(values) > 1e9)  # a metre: the unit is wrong
         if large.size:
-            reason = f"{name} = {columns[name][large[0]]:g} nm: allowed: -1e+09 .. 1e+09 nm; check its unit"
+            reason = f"{name} = {values[large[0]]:g} nm: allowed: -1e+09 .. 1e+09 nm; check its unit"
             raise DataError(reason, int(lines[large[0]]))
-    read = "x and z are read as nm" if set(units) == {"nm"} else "x is read as {}, z as {}".format(*units)
-    points = Points(lines, columns["x"], columns["z"])
+    points = Points(lines, x, z)
     _reject_few(points)
-    notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out, *unknown]
-    return points, notes, PERIOD in table.above
+    read = f"x is read as {units['x']}, z as {units['z']}"
+    spare = not_used(block, list(x_z.values()))
+    notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out, *block.notes]
+    return points, notes, any(PERIOD in line for line in block.table.above)
 
 
-def _of_instrument(content, unit, line):
+def _x_and_z(table, how):
+    """{"x": index, "z": index}, by name or as given; two columns without names are x and z. Raises DataError."""
+    of = given(table, how.columns, "xz")
+    if len(table.columns) < 2:
+        raise DataError(f"one column, two are needed: {NEEDED}", None, table)
+    known = recognised(table, NAMED)
+    if len(table.columns) == 2 and not any(column.name for column in table.columns):
+        known = {"x": 0, "z": 1}
+    if "z" not in known and "y" in known:  # of x, y; of x, y, z it is another coordinate
+        known["z"] = known["y"]
+    of = {role: known.get(role) for role in "xz"} | of
+    if None in of.values() or of["x"] == of["z"]:
+        many = len(table.columns) > 4 and not any(column.name for column in table.columns)
+        matrix = "; if this is a map of heights, save one line of it as x and z" * many
+        unclear = [role for role in "xz" if of[role] is None]
+        reason = f"which column is {' and which '.join(unclear) or 'z'} is not certain{matrix}"
+        raise asked(table, reason, of, "xz", **_unit_call(table, of, how))
+    return of
+
+
+def _named_units(table, of, how):
+    """{"x", "z": unit or None} of two columns: as given, in the heading, or in a line above."""
+    above = units_above(table.above)
+    own = {role: None if k is None else table.columns[k].unit for role, k in of.items()}
+    return {role: how.units.get(role, how.unit) or own[role] or above.get(role) for role in of}
+
+
+def _units(table, of, how):
+    """{"x", "z": unit} of two columns; raises DataError where one is not known, or another one is given."""
+    found, file = (_named_units(table, of, each) for each in (how, How()))
+    for role, unit in found.items():
+        given_one = how.units.get(role, how.unit)
+        if given_one is not None:
+            nm = factor(given_one, name="unit" if how.unit else f"units[{role!r}]")
+            if file[role] and file[role].lower() in NM and factor(file[role]) != nm:
+                raise DataError(
+                    f"unit = {given_one!r}, but the file names {file[role]}; leave unit out, or correct the file"
+                )
+        elif not unit or unit.lower() not in NM:
+            why = f"{role} in {unit[:SHOWN]!r}; allowed units: {ALLOWED}" if unit else f"{role} has no unit"
+            why += "" if unit else mentioned(table.above)
+            raise asked(table, why, of, "xz", **_unit_call(table, of, how))
+    return found
+
+
+def _unit_call(table, of, how):
+    """The argument `units` of the call that reads a table; {} where the file names all of them."""
+    known = {role: unit if unit and unit.lower() in NM else ... for role, unit in _named_units(table, of, how).items()}
+    own = all((column.unit or "").lower() in NM for column in table.columns if column.low == column.low)
+    return {} if how.unit or own or ... not in known.values() else {"units": known}
+
+
+def _complete(lines, x, z):
+    """(lines, x, z, [notes]) of the rows with both numbers, ascending in x. Raises DataError."""
+    complete = np.isfinite(x) & np.isfinite(z)
+    reject_gaps(np.flatnonzero(complete), lines)
+    missing, lines, x, z = lines[~complete].tolist(), lines[complete], x[complete], z[complete]
+    notes = [f"{counted(len(missing), 'row')} without all numbers left out (line {listed(missing)})."] * bool(missing)
+    steps = np.diff(x)
+    if steps.size and np.all(steps < 0.0):
+        lines, x, z, steps = lines[::-1], x[::-1], z[::-1], -steps[::-1]
+        notes.append("x descends: the points are read in reverse order.")
+    if (falls := np.flatnonzero(steps <= 0.0)).size:
+        before, after = x[falls[0]], x[falls[0] + 1]
+        remedy = "keep one line of each x" if after == before else "sort the lines by x"
+        if after < before and falls.size > 1:
+            remedy += ", if each x has one height: an overhang or a matrix of heights cannot be read"
+        raise DataError(f"x = {after:g} after {before:g}; {remedy}", int(lines[falls[0] + 1]))
+    return lines, x, z, notes
+
+
+def reject_gaps(complete: NDArray[np.int64], lines: Sequence[int]) -> None:
+    """Raises DataError where too many rows between two complete ones are not; complete: their indices (k,)."""
+    gaps = np.diff(complete) - 1
+    if gaps.max(initial=0) > LONGEST_GAP:
+        k = int(np.argmax(gaps > LONGEST_GAP))
+        reason = f"{gaps[k]} rows in a row without all numbers; allowed: up to {LONGEST_GAP}"
+        raise DataError(f"{reason}; fill them, or keep one side of the gap", int(lines[complete[k] + 1]))
+
+
+def _of_instrument(content, how):
     """As `_points`, of the file of an instrument."""
-    x, z, note = read_line(content, unit, line)
+    x, z, note = read_line(content, how.unit, how.line, how.channel)
     known = np.flatnonzero(np.isfinite(z))
     reject_gaps(known, [0] * z.size)
     left = z.size - known.size
@@ -157,30 +288,6 @@ def _of_instrument(content, unit, line):
     points = Points(np.zeros(known.size, int), x[known], z[known])  # there are no lines to name
     _reject_few(points)
     return points, [note, *missing], False
-
-
-def _two_of(table):
-    """(the indices of x and z, their units or None, [a note on other columns]): by name, or else the first two."""
-    columns, width, line = table.columns, table.cells.shape[1], int(table.cells.index[0])
-    if width < 2:
-        raise DataError("one column, two are needed: x, z in nm", line)
-    if not columns and width % 2 == 0 and width > 2 and table.comma:
-        remedy = "write a heading, decimal points, or semicolons between columns"
-        raise DataError(f"{width} columns, two are needed: x, z in nm; {remedy}", line)
-    if not columns and width > 3:
-        remedy = "a matrix of heights cannot be read: save one row or column of it as x and z"
-        raise DataError(f"{width} columns without a heading, two are needed: x, z in nm; {remedy}", line)
-    names = [re.split(r"[\W_]", column.name.strip())[0].lower() for column in columns[:width]]  # x of x_um, x in um
-    height = "z" if "z" in names else "y"
-    x_z = [names.index("x"), names.index(height)] if {"x", height} <= set(names) else [0, 1]
-    units = [columns[k].unit for k in x_z if k < len(columns) and columns[k].unit]
-    for name, unit in zip("xz", units, strict=False):
-        if unit.lower() not in FACTORS:
-            allowed = "allowed units: nm, µm, Å, mm, cm, m"
-            raise DataError(f"heading: {name} in {unit[:SHOWN]!r}; {allowed}; correct or delete the heading")
-    others = [k for k in range(width) if k not in x_z and table.cells.iloc[:, k].ne("").any()]
-    rest = [(columns[k].name if k < len(columns) else "") or f"column {k + 1}" for k in others]
-    return x_z, tuple((2 * units)[:2]) or None, [f"Not used: {listed(rest)}."] * bool(rest)
 
 
 def _reject_unlikely(points, length):
@@ -214,8 +321,15 @@ def _cut(points, width, part):
     if points.length <= LONG:
         return points, []
     spacing = points.length / MOST_POINTS
-    enough = 2 * FEWEST_POINTS * points.length / points.x.size
-    used, notes = _middle(points, min(max(PART, enough), LONG))
+    apart = points.length / (points.x.size - 1)
+    if (enough := 2 * FEWEST_POINTS * apart) > LONG:
+        middle = 0.5 * points.length
+        call = {"part": (round(max(0.0, middle - 0.5 * enough)), int(min(points.length, middle + 0.5 * enough)))}
+        why = f"its points are {apart:.4g} nm apart: {LONG:g} nm, the most that is taken by itself, hold too few"
+        raise DataError(
+            f"{why}; give a part, but the nodes are then as far apart, which is the lattice period", call=call
+        )
+    used, notes = _middle(points, max(PART, enough))
     why = f"all of it would give nodes at least {spacing:.3g} nm apart, which is the lattice period"
     return used, [f"{notes[0].rstrip('.')}: {why}; choose another by part."]
 
@@ -304,23 +418,13 @@ def _filtered(points, cut_off, periodic):
     return Points(points.line, x, found), [f"{note} {found.std():.4g} nm."]
 
 
-def _enough(points, periodic=False):
-    """A cut-off, nm, that makes slopes small; None if there is none."""
-    spacing, z = _even(points)
-    cut_off = least_cut_off(z[:-1] if periodic else z, spacing, STEEPEST, periodic)
-    return cut_off and float(f"{1.1 * cut_off:.2g}")
-
-
-def _reject_steep(points, periodic=False, why=""):
-    """Raises SteepError at the first slope beyond STEEPEST; why: what made it, where a cut-off does not help."""
+def _reject_steep(points, why=""):
+    """Raises SteepError at the first slope beyond STEEPEST; why: what made it."""
     slopes = np.abs(np.diff(points.z) / np.diff(points.x))
     if slopes.max() > STEEPEST:
         k = int(np.argmax(slopes > STEEPEST))
-        cut_off = None if why else _enough(points, periodic)
-        remedy = "cut it where its ends are of one height" if why else "rescale it"
-        remedy = f"smooth it by cut_off={cut_off:g} (nm), or {remedy}" if cut_off else remedy
-        reason = f"{why}slope {slopes[k]:.3g} from the point before, allowed: up to {STEEPEST:g}; {remedy}"
-        raise SteepError(reason, int(points.line[k + 1]), cut_off)
+        reason = f"{why}slope {slopes[k]:.3g} from the point before, allowed: up to {STEEPEST:g}"
+        raise SteepError(reason, int(points.line[k + 1]))
 
 
 def _joined(points):
@@ -329,9 +433,9 @@ def _joined(points):
     step, reach = float(z[-1] - z[0]), 0.05 * points.length
     steepest = np.pi * abs(step) / (4.0 * reach)
     if steepest > STEEPEST:
-        raise DataError(
+        raise SteepError(
             f"its ends differ by {abs(step):.4g} nm; joined over {reach:.4g} nm at each end this is a slope of"
-            f" {steepest:.3g}, allowed: up to {STEEPEST:g}; cut it where its ends are of one height"
+            f" {steepest:.3g}, allowed: up to {STEEPEST:g}"
         )
     start, end = (np.clip(distance / reach, 0.0, 1.0) for distance in (x - x[0], x[-1] - x))
     joined = points._replace(z=z + 0.25 * step * (np.cos(np.pi * start) - np.cos(np.pi * end)))

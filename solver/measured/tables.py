@@ -1,177 +1,313 @@
-"""Tables in text files, as instruments and spreadsheets write them: a heading, and columns of numbers below it."""
+"""Tables in text files: the block of numbers, its columns with names and units, and the lines above it."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from io import StringIO
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TextIO
-from unicodedata import normalize
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
+from .units import named_unit, parted, plain_unit
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-Floats = NDArray[np.float64]
 Source = str | bytes | PathLike[str] | TextIO
-MOST_BYTES = 10_000_000  # of a file: 16,384 points, more than any run has nodes, in lines of 600 characters
-MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-")  # cells without a number
-LONGEST_GAP = 5  # rows of a profile without all numbers
-FORTRAN = r"(\d\.?)[dD]([+-]?\d)"  # an exponent, as in 1.0D+00
-SHOWN = 40  # characters of a cell or a heading in a message
-LISTED = 3  # lines or columns that a note lists
-# F, Friction force, F (N/m), F [N/m], U_x/nm, U_x / nm. Every part has a largest length, so any text is read in time
-NAME, UNIT = r"[^\W\d][\w.-]{0,40}", r"[\[(][^\])]{0,40}[\])]|/ ?\S{1,40}"
-HEADING = re.compile(rf"({NAME}(?: {NAME}){{0,4}}) ?({UNIT})?")
-BLANKS = re.compile(rf"{NAME}(?:\s?(?:{UNIT}|/\s?\S{{1,40}}))?")  # a column of a heading that blanks separate
-RAISED = str.maketrans("⁻¹·*", "-1  ")
+MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
+MOST_COLUMNS = 100
+MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
+SHOWN = 40  # characters of a cell in a message
+FIRST = 5  # rows that a refusal shows
+SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
+LONGEST = 8  # rows of a table that counts beside another one
+LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
+BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?')
+FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
+
+_DIGITS = {",": r"(?:\d++\.?\d*+|\.\d++)", "": r"(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)"}
+_NUMBER = r"[+\-\N{MINUS SIGN}]?DIGITS(?:[eEdD][+\-\N{MINUS SIGN}]?\d++)?"
+_NONE = r"[+-]?(?:nan|NaN|NAN|inf|Inf|INF)|Bad|BAD|bad|\*\*\*|-{1,3}"
 
 
 class Column(NamedTuple):
-    """Of a heading: F (N/m), F [N/m] and F / N/m are the same; unit "" for none."""
+    """name: as in the heading, "" without one; unit: as there, None for none; low, high: range, nan of words."""
 
     name: str
-    unit: str
+    unit: str | None
+    low: float
+    high: float
 
 
-@dataclass(frozen=True, eq=False)
-class Table:
-    """The columns of the heading of a file, and its cells: text, a row per line, whose number is the index."""
+class Table(NamedTuple):
+    """What a file shows: its columns, the cells of its first rows, the lines above them, and the number of rows."""
 
-    columns: list[Column]
-    cells: "pd.DataFrame"
-    comma: bool  # whether commas separate the columns
-    above: str = ""  # the lines above the first row, with comments
-    end: int | None = None  # the line where another table begins
+    columns: tuple[Column, ...]
+    first: tuple[tuple[str, ...], ...]
+    above: tuple[str, ...]
+    rows: int
 
-    def numbers(
-        self, columns: Mapping[str, int], profile: bool = False
-    ) -> tuple[NDArray[np.int64], dict[str, Floats], list[str]]:
-        """(numbers of their lines (k,), {name: column (k,)}, [a note on others]) of rows that are complete.
-
-        columns: {name: index}; they have a finite number in each of them. profile: the first must ascend or descend
-        throughout, and at most LONGEST_GAP rows in a row may be incomplete.
-        """
-        values = np.column_stack([self._numbers(name, self.cells[k]) for name, k in columns.items()])
-        complete, lines = np.isfinite(values).all(axis=1), self.cells.index.to_numpy()
-        missing, values, lines = lines[~complete], values[complete], lines[complete]
-        count = f"{missing.size} row{'s' * (missing.size > 1)} without all numbers"
-        notes = [f"{count} left out (line {listed(missing.tolist())})."] if missing.size else []
-        if profile:
-            (name, *_), steps = columns, np.diff(values[:, 0])
-            reject_gaps(np.flatnonzero(complete), self.cells.index)
-            if steps.size and np.all(steps < 0.0):
-                values, lines, steps = values[::-1], lines[::-1], -steps[::-1]
-                notes.append(f"{name} descends: the points are read in reverse order.")
-            if (falls := np.flatnonzero(steps <= 0.0)).size:
-                before, x = values[falls[0] : falls[0] + 2, 0]
-                remedy = f"keep one line of each {name}" if x == before else f"sort the lines by {name}"
-                if x < before and falls.size > 1:
-                    remedy += ", if each x has one height: an overhang or a matrix of heights cannot be read"
-                raise DataError(f"{name} = {x:g} after {before:g}; {remedy}", int(lines[falls[0] + 1]))
-        return lines, dict(zip(columns, values.T, strict=True)), notes
-
-    def _numbers(self, name, texts):
-        """A column of texts as float64; "" as nan."""
-        from pandas import to_numeric
-
-        texts = texts.where(~texts.isin(MISSING), "nan").str.replace(FORTRAN, r"\1e\2", regex=True)
-        wrong = to_numeric(texts, errors="coerce").isna() & ~texts.str.lower().isin(["nan", "+nan", "-nan"])
-        for line, text in texts[wrong].items():
-            cell = repr(text[:SHOWN]) if text.isprintable() else "an unreadable cell"
-            raise DataError(f"{name} = {cell} is not a number; correct or delete the line", line)
-        return texts.astype(float)
+    def __str__(self) -> str:
+        listed = [f"{k} {_shown(column)}" for k, column in enumerate(self.columns[:8], 1)]
+        return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}"
 
 
-def reject_gaps(complete: NDArray[np.int64], lines: Sequence[int]) -> None:
-    """Raises DataError where too many rows between two complete ones are not; complete: their indices (k,)."""
-    gaps = np.diff(complete) - 1
-    if gaps.max(initial=0) > LONGEST_GAP:
-        k = int(np.argmax(gaps > LONGEST_GAP))
-        reason = f"{gaps[k]} rows in a row without all numbers; allowed: up to {LONGEST_GAP}"
-        raise DataError(f"{reason}; fill them, or keep one side of the gap", int(lines[complete[k] + 1]))
+class Block(NamedTuple):
+    """A Table with its cells: a column each, of float64 (k,) or of words; lines (k,): their numbers in the file."""
+
+    table: Table
+    cells: list[NDArray[Any]]
+    lines: NDArray[np.int64]
+    notes: tuple[str, ...]
+
+    def numbers(self, name: str, k: int) -> NDArray[np.float64]:
+        """The k-th column; raises DataError, which calls it `name`, where it has words."""
+        if self.cells[k].dtype == object:
+            raise DataError(f"{name} = {self.cells[k][0][:SHOWN]!r} is not a number; choose another column")
+        return self.cells[k]
 
 
-def read_table(source: Source, needed: str, named: Callable[[list[Column]], bool] | None = None) -> Table:
-    """Reads a Table from a file, or from its content; raises DataError, with `needed` in its message.
+def _shown(column):
+    unit = "" if column.unit is None else f" ({column.unit[:SHOWN]})"
+    name = repr(column.name[:SHOWN]) if column.name.isprintable() else "'?'"
+    return f"{name}{unit} {column.low:.4g} .. {column.high:.4g}" if column.low == column.low else f"{name} of words"
 
-    source: a path, a text without a line break being one; the content as text or bytes; or an open file.
-    Semicolons, tabs, commas or blanks separate columns; with the first two, numbers may have decimal commas. Blank
-    lines, text after # and lines above the heading are skipped. named: whether a line is the heading, which may stand
-    behind a # and have a row of units below it; another one ends the table. By default the heading is the line above
-    the first one of numbers, if there is any.
+
+class Layout(NamedTuple):
+    """How a line is cut: separator ("" for blanks) and which lines are rows."""
+
+    separator: str
+    is_row: Callable[[str], Any]
+
+    def split(self, line: str) -> list[str]:
+        return [cell.strip(' "') for cell in line.split(self.separator or None)]
+
+
+def _numeric(separator):
+    """The Layout of rows of numbers; its expression never goes back over a character."""
+    number = _NUMBER.replace("DIGITS", _DIGITS["," if separator == "," else ""])
+    full = rf'"?(?:{number}|{_NONE})"?'
+    cell = rf"(?: *+{full} *+| *+)" if separator else full
+    between = separator or r"\s++"
+    return Layout(separator, re.compile(rf"{cell}(?:{between}{cell})*+").fullmatch)
+
+
+def _mixed(separator):
+    """The Layout of rows with words among at least two numbers."""
+    number = re.compile(_NUMBER.replace("DIGITS", _DIGITS["," if separator == "," else ""]))
+
+    def is_row(line):
+        cells = line.split(separator or None)
+        return len(cells) > 2 and sum(bool(number.fullmatch(cell.strip(' "'))) for cell in cells[:20]) > 1
+
+    return Layout(separator, is_row)
+
+
+NUMERIC, MIXED = ([make(mark) for mark in (";", "\t", "", ",")] for make in (_numeric, _mixed))
+
+
+def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
+    """Finds the table in a file, or in its content.
+
+    Semicolons, tabs, commas or blanks separate columns; numbers may have decimal commas, except between commas. Blank
+    lines and text after # are skipped. The heading is the line above the first row, and may have a row of units below.
+    Parameters: source: a path, a text without a line break being one; the content as text or bytes; or an open file.
+    needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
+    Returns a Block. Raises DataError.
     """
-    from pandas import read_csv  # takes longer to import than the solver
-
-    text = _text(source)
-    stripped = ((number, line.partition("#")[0].strip()) for number, line in enumerate(text.split("\n"), start=1))
-    lines = [(number, line) for number, line in stripped if line]
-    columns, rows_below, end = _heading(lines, text, needed, named) if named else (*_above_numbers(lines), None)
-    if not rows_below:
-        raise DataError(f"no points; needed: {needed}", text.count("\n") + 1)
-    separator = _separator(rows_below[0][1])
-    numbers, rows = zip(*rows_below, strict=True)
-    sizes = [len(row.split(separator)) for row in rows]
-    width = sizes[0] if named is None else len(columns)
-    if max(sizes) > 100:  # a table of some bytes with a million empty columns would fill the memory
-        raise DataError(f"{max(sizes)} columns; allowed: up to 100", numbers[int(np.argmax(sizes))])
-    cells = read_csv(
-        StringIO("\n".join(rows)), sep=separator or r"\s+", header=None, names=range(max(width, *sizes, 1)), dtype=str,
-        keep_default_na=False, quoting=3, skip_blank_lines=False, index_col=False,
-    )  # fmt: skip
-    cells.index = list(numbers)
-    cells = cells.fillna("").apply(lambda texts: texts.str.strip(' "').str.replace("\N{MINUS SIGN}", "-"))
-    if separator != ",":
-        cells = cells.apply(lambda texts: texts.str.replace(",", "."))
-    longer = cells.loc[:, width:].ne("").any(axis=1)
-    if longer.any():
-        line = longer.idxmax()
+    raw = _text(source).split("\n")
+    lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
+    layout = _layout(lines)
+    if layout is None:
+        raise DataError(f"no points; needed: {needed}", len(raw))
+    ranges, names = _ranges(raw, lines, layout)
+    chosen, others = _chosen(ranges, names, channel)
+    rows = np.concatenate([ranges[k] for k in chosen])
+    _reject_bad(lines, rows, layout)
+    counts = _counts(lines, rows, layout)
+    width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
+    if counts.max() > MOST_COLUMNS:
+        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
+    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
+    rows, counts = rows[begun:], counts[begun:]
+    if counts.max() > width:
         remedy = "use decimal points, or semicolons between columns"
-        raise DataError(f"{sizes[numbers.index(line)]} columns in place of {width}; {remedy}", line)
-    above = "\n".join(text.split("\n")[: numbers[0] - 1])
-    return Table(columns, cells.loc[:, : width - 1], separator == ",", above, end)
+        line = int(rows[np.argmax(counts > width)]) + 1
+        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
+    cells = _cells([lines[k] for k in rows], layout, width, rows)
+    above = tuple(line for line in raw[: rows[0]] if line.strip())
+    filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
+    units, heading = _heading(above, layout, (filled, width))
+    columns = tuple(Column(*both, *_range(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
+    kept = [k for k in range(width) if heading[k] or k < filled]
+    first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
+    table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
+    block = Block(table, [cells[k] for k in kept], rows + 1, _notes(ranges, others, rows))
+    return _with_segments(block, names, ranges, chosen, begun)
+
+
+def _layout(lines):
+    """The Layout with the most rows in a sample of lines; None for text without any."""
+    full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
+    sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
+
+    def most(layouts):
+        hits = [sum(1 for line in sample if line and each.is_row(line)) for each in layouts]
+        cut = [sum(len(each.split(line)) for line in full[-20:] if each.is_row(line)) for each in layouts]
+        best = max(range(len(layouts)), key=lambda k: (hits[k], cut[k] if layouts[k].separator else 0))
+        return hits[best], layouts[best]
+
+    (plain, numeric), (wordy, mixed) = most(NUMERIC), most(MIXED)
+    if max(plain, wordy) == 0 or not any(any(map(str.isdigit, line)) for line in sample):
+        return None
+    return mixed if wordy > 2 * plain + 1 else numeric
+
+
+def _ranges(raw, lines, layout):
+    """([indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
+    is_row = layout.is_row
+    row = np.fromiter((bool(line) and bool(is_row(line)) for line in lines), bool, len(lines))
+    named = {k: match[2].strip() for k, line in enumerate(raw) if line[:1] == "#" and (match := LABEL.match(line))
+             and match[1].lower() == "segment"}  # fmt: skip
+    text = [k for k, line in enumerate(lines) if (line and not row[k]) or k in named]
+    rows = np.flatnonzero(row)
+    digits = [bool(re.search(r"\d", lines[k])) for k in rows[:50]]  # lines of dashes are none
+    rows = np.delete(rows, [k for k, has in enumerate(digits) if not has and not any(digits[:k])])
+    groups = np.searchsorted(text, rows)
+    cuts = np.flatnonzero(np.diff(groups)) + 1
+    ranges = [part for part in np.split(rows, cuts) if part.size]
+    last = [max((at for at in named if at < part[0]), default=None) for part in ranges]
+    return ranges, ["" if at is None else named[at] for at in last]
+
+
+def _chosen(ranges, names, channel):
+    """([numbers of the tables that are read], [those left out]); several are one where each names its segment."""
+    if not ranges:
+        raise DataError("no points; no line has numbers alone")
+    long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
+    if channel is not None:
+        channel = int(channel) if str(channel).isdigit() else channel
+        if channel not in range(1, len(long) + 1):
+            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table; give one")
+        return [long[channel - 1]], []
+    if len(long) > 1 and not all(names[k] for k in long):
+        begin = ", ".join(str(ranges[k][0] + 1) for k in long[:6])
+        raise DataError(f"{len(long)} tables, which begin at lines {begin}", call={"channel": ...})
+    best = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
+    return best, [k for k in range(len(ranges)) if k > best[-1]]
+
+
+def _notes(ranges, others, rows):
+    begin = [int(ranges[k][0]) + 1 for k in others if ranges[k].size > 1]
+    return (f"line {begin[0]} begins another table: left out.",) if begin else ()
+
+
+def _reject_bad(lines, rows, layout):
+    """Raises DataError for a line that a cell keeps from being a row of the table."""
+    for k in (int(rows[-1]) + 1, int(rows[0]) - 1):
+        near = lines[k] if 0 <= k < len(lines) else ""
+        cells = layout.split(near)
+        before = k > rows[0] or (k and layout.is_row(lines[k - 1]) and lines[k - 1])
+        if not near or not before or len(cells) != len(layout.split(lines[rows[0]])):
+            continue
+        bad = [cell for cell in cells if not NUMERIC[2].is_row(cell) and cell not in MISSING]
+        if len(bad) < len(cells) and bad:
+            cell = repr(bad[0][:SHOWN]) if bad[0].isprintable() else "an unreadable cell"
+            raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
+
+
+def _counts(lines, rows, layout):
+    """The number of cells of each row."""
+    if layout.separator:
+        return np.fromiter((lines[k].count(layout.separator) + 1 for k in rows), int, rows.size)
+    return np.fromiter((len(lines[k].split()) for k in rows), int, rows.size)
+
+
+def _cells(texts, layout, width, rows):
+    """The columns of rows: float64 (k,) each, or words."""
+    from pandas import read_csv, to_numeric  # takes longer to import than the solver
+
+    text = "\n".join(texts).replace("\N{MINUS SIGN}", "-")
+    if "D" in text or "d" in text:
+        text = FORTRAN.sub(r"\1e\2", text)
+    commas = layout.separator != "," and "," in text
+    words = layout in MIXED
+    if commas and not words and "." in text:
+        k = next(k for k, line in enumerate(texts) if "," in line)
+        raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
+    frame = read_csv(
+        StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
+        decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False,
+        skipinitialspace=True, low_memory=False, dtype=str if words else None,
+    )  # fmt: skip
+    cells = []
+    for k in frame:
+        column = frame[k]
+        if words or column.dtype == object or column.dtype == "str":
+            texts_of = column.fillna("").astype(str).str.strip(' "')
+            numbers = to_numeric(texts_of.str.replace(",", ".") if commas else texts_of, errors="coerce")
+            known = int(numbers.notna().sum())
+            # a column of which few cells are numbers is one of words, such as the stage of a run
+            column = numbers if known and 2 * known >= texts_of.ne("").sum() else texts_of.astype(object)
+        cells.append(column.to_numpy(object if column.dtype == object else np.float64))
+    return cells
+
+
+def _range(cells):
+    """(least, largest) finite number of a column; nan without any."""
+    known = cells[np.isfinite(cells)] if cells.dtype != object else []
+    return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
+
+
+def _heading(above, layout, sizes):
+    """([units or None], [names]) of the columns: what the file labels so, or the line above the first row."""
+    labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
+    named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
+    lettered = [line.strip("# \t") for line in reversed(above) if re.search(r"[^\W\d_]", line)]
+    for line in lettered[:2] if named is None else ():
+        cells = _split(line, layout, sizes)
+        if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
+            break
+        if units is None and all(not cell or named_unit(cell) or cell[0] in "[({" for cell in cells):
+            units = [plain_unit(cell.strip("[](){} ")) for cell in cells]  # a row of units
+            continue
+        named = cells
+        break
+    both = [parted(cell) for cell in named or [""] * sizes[1]]
+    below = units or [""] * sizes[1]
+    return [own or (other or None) for (_, own), other in zip(both, below, strict=True)], [name for name, _ in both]
+
+
+def _split(line, layout, sizes):
+    """The cells of a heading, cut by the separator of the rows or by another one into as many; None if it has more.
+
+    sizes: numbers of columns without and with the empty ones at their end.
+    """
+    filled, width = sizes
+    if not line or len(line) > 200 * width:
+        return None
+    cut = [line.split(mark) for mark in (layout.separator or "\t", ";", "\t", ",", "  ")]
+    for cells in (*cut, [] if re.search("[;\t]", line) else BLANKS.findall(line)):
+        cells = [" ".join(cell.split()).strip(' "') for cell in cells]
+        while len(cells) > filled and not cells[-1]:
+            cells.pop()
+        if filled <= len(cells) <= width and any(cells):
+            return [*cells, *[""] * (width - len(cells))]
+    return None
+
+
+def _with_segments(block, names, ranges, chosen, begun):
+    """The Block with a column `segment` where lines between its tables name them."""
+    if len(chosen) < 2:
+        return block
+    words = np.concatenate([np.full(ranges[k].size, names[k], object) for k in chosen])[begun:]
+    columns = (*block.table.columns, Column("segment", None, np.nan, np.nan))
+    return block._replace(table=block.table._replace(columns=columns), cells=[*block.cells, words])
 
 
 def listed(items: Sequence) -> str:
-    """The first LISTED of some items, as text."""
-    return ", ".join(map(str, items[:LISTED])) + " ..." * (len(items) > LISTED)
-
-
-def _above_numbers(lines):
-    """(Columns of the line above the first one of numbers, that line and all below)."""
-    first = next((k for k, (_, line) in enumerate(lines) if _all_numbers(line)), len(lines))
-    # a number alone above rows of several is their count
-    sizes = [len(line.split(_separator(line))) for _, line in lines[first : first + 2]]
-    first += len(sizes) == 2 and sizes[0] == 1 < sizes[1] and _all_numbers(lines[first + 1][1])
-    return _columns(lines[first - 1][1]) if first else [], lines[first:]
-
-
-def _heading(lines, text, needed, named):
-    """(Columns of the first heading that `named` knows, the lines of its table, the line of another one or None)."""
-    behind = ((number, line.lstrip("# ")) for number, line in enumerate(text.split("\n"), 1) if line.startswith("#"))
-    found = next(((number, line) for number, line in (*lines, *behind) if named(_columns(line))), None)
-    if found is None:
-        number, line = lines[0] if lines else (1, "")
-        heading = (line[:SHOWN] if line.isprintable() else "not readable") or "missing"
-        raise DataError(f"heading {heading}; needed: {needed}", number)
-    columns, below = _columns(found[1]), [each for each in lines if each[0] > found[0]]
-    if below and not re.search(r"\d", below[0][1]):  # a row of units
-        units = [_unit(unit.strip(' "[]()')) for unit in below[0][1].split(_separator(below[0][1]))]
-        if len(units) >= len(columns) > 1:
-            columns = [Column(name, unit or own) for (name, unit), own in zip(columns, units, strict=False)]
-            below = below[1:]
-    end = next((k for k, (_, line) in enumerate(below) if line == found[1]), None)
-    if end is None:
-        return columns, below, None
-    rows = end
-    while rows and not _all_numbers(below[rows - 1][1]):  # the lines above another table
-        rows -= 1
-    return columns, below[:rows], below[end][0]
+    """The first three of some items, as text."""
+    return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)
 
 
 def content_of(source: Source) -> str | bytes:
@@ -213,33 +349,3 @@ def _content(path):
             raise
         reason = getattr(failure, "strerror", None) or failure
         raise DataError(f"{shown}: {reason}; name a CSV file that can be read") from None
-
-
-def _separator(line):
-    return next((mark for mark in ";\t," if mark in line), None)
-
-
-def _columns(line):
-    """The Columns of a heading."""
-    separator = _separator(line)
-    cells = line.split(separator) if separator else BLANKS.findall(line)
-    cells = [" ".join(cell.split()).strip(' "') for cell in cells]
-    matches = ((cell, HEADING.fullmatch(cell)) for cell in cells)
-    named = (match.groups() if match else (cell, "") for cell, match in matches)
-    return [Column(name, _unit((unit or "").strip("[]()/ "))) for name, unit in named]
-
-
-def _unit(text):
-    """A unit with one sign for micro and one for Angstrom, each of which Unicode has twice; N m^-1 as N/m."""
-    text = normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}").translate(RAISED)
-    return re.sub(r"^(\w+) +(\w+) ?\^?-1$", r"\1/\2", text)
-
-
-def _all_numbers(line):
-    separator = _separator(line)
-    line = line if separator == "," else line.replace(",", ".")
-    try:
-        cells = (cell.strip(' "').replace("\N{MINUS SIGN}", "-") for cell in line.split(separator))
-        return bool([float(re.sub(FORTRAN, r"\1e\2", cell)) for cell in cells if cell not in MISSING])
-    except ValueError:
-        return False

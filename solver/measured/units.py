@@ -1,9 +1,11 @@
-"""Units of length that the lines above the numbers of a file name: those of x and z."""
+"""Units of lengths, forces and times, as headings name them; nothing is read from prose."""
 
 import re
+from collections.abc import Iterable, Mapping
 from unicodedata import normalize
 
 from ..surfaces import DataError
+from ..text import UNITS
 
 NM = {  # words of a unit, in small letters: nm
     1.0: ("nm", "nanometer", "nanometre"),
@@ -12,61 +14,84 @@ NM = {  # words of a unit, in small letters: nm
     1e7: ("cm", "centimeter", "centimetre"),
     1e9: ("m", "meter", "metre"),
     0.1: ("å", "a", "angstrom", "angström", "ångström", "ångstrom"),
+    25.4e6: ("in", "inch", "inches"),
 }
-FACTORS = {plural: nm for nm, words in NM.items() for word in words for plural in (word, word + "s" * (len(word) > 2))}
-OTHERS = ("v", "mv", "volt", "volts", "inch", "inches", "ft", "pm", "px", "pixel", "pixels")  # refused
-# a unit in brackets, after a slash, or after "unit"
-ENCLOSED = re.compile(
-    r"[\[({]\s*([^\W\d]{1,12})\s*[\])}]|/\s?([^\W\d]{1,12})\b|\bunits?\b\W{0,3}([^\W\d]{1,12})$", re.I
-)
-WORD = re.compile(r"[^\W\d_]+")
+LENGTHS = {plural: nm for nm, words in NM.items() for word in words for plural in (word, word + "s" * (len(word) > 2))}
+NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12} | {
+    **dict.fromkeys(("g", "gf", "gram", "grams"), 9.80665e-3),
+    **{"kgf": 9.80665, "kg": 9.80665, "lbf": 4.4482216152605, "lb": 4.4482216152605},
+}
+PER_WIDTH = UNITS["N/m"]
+SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
+OTHERS = ("V", "mV", "volt", "volts", "ft", "pm", "px", "pixel", "pixels", "deg", "%", "F_s", "A_0")
+ALLOWED = "nm, um, mm, cm, m, Å, in"
+WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
+RAISED = str.maketrans("⁻¹·*", "-1  ")
+TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
+BRACKETS = re.compile(r"(.*?)\s?[\[({]([^\])}]{0,40})[\])}]")
+SLASH = re.compile(r"([^/]*[^/\s]) ?/ ?([^\d/][^/]{0,12}(?:/\w{1,4})?)")
+LAST = re.compile(r"(.*?[^\W_])(?: in |[ _])([^\W\d_]{1,13})")
+LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2}units?)\W+([^\W\d_]{1,13})\W*", re.I)
 FOR_X, FOR_Z = re.compile(r"lateral|horizontal|length|distance", re.I), re.compile(r"value|height|vertical", re.I)
 
 
-def factor(unit: str) -> float:
-    """Return nm per unit of length; raises DataError for an unknown unit."""
-    nm = FACTORS.get(unit.strip().lower().replace("\N{GREEK SMALL LETTER MU}", "µ"))
-    if nm is None:
-        raise DataError(f"unit = {unit[:40]!r}; allowed units: nm, um, mm, cm, m, Å; give one of these")
-    return nm
+def plain_unit(text: str) -> str:
+    """A unit with one sign for micro and one for Angstrom, each of which Unicode has twice; N m^-1 as N/m."""
+    text = normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}").translate(RAISED)
+    return re.sub(r"^(\w+) +(\w+) ?\^?-1$", r"\1/\2", text.strip())
 
 
-def units_above(text: str) -> tuple[str, str] | None:
-    """Return the units of x and z that the lines `text` name, the lowest line first; None where there is none.
+def named_unit(text: str) -> bool:
+    """Whether a text is a unit and nothing else."""
+    unit = plain_unit(text.strip("[](){} "))
+    return unit.lower() in LENGTHS or unit in NEWTONS or unit in PER_WIDTH or unit in SECONDS or unit in OTHERS
 
-    One unit counts for both. Raises DataError for a unit of another kind, and for one that may be of something else.
+
+def parted(cell: str) -> tuple[str, str | None]:
+    """(name, unit or None) of a cell of a heading: F (N/m), F [N/m], F / N/m, x um, x_um, x in um, or a unit alone."""
+    if match := BRACKETS.fullmatch(cell):
+        return (match[1], plain_unit(match[2])) if match[2] not in WHICH else (cell, None)
+    if match := SLASH.fullmatch(cell):
+        return match[1], plain_unit(match[2])
+    match = LAST.fullmatch(cell)
+    if match and named_unit(match[2]) and (len(match[2]) > 1 or " in " in cell):
+        return match[1], plain_unit(match[2])
+    return ("", plain_unit(cell)) if len(cell) > 1 and named_unit(cell) else (cell, None)
+
+
+def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOWED, name: str = "unit") -> float:
+    """How much a unit is, lengths in nm; a number may stand before it, as in "0.5 um".
+
+    Raises DataError, which calls it `name`, for another one.
     """
-    x = z = None
-    for line in reversed(normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "µ").splitlines()):
-        units = _units(line)
-        if len(units) > 1:
-            names = [word.lower() for word in WORD.findall(line) if word.lower() in ("x", "z")]
-            first, second = (1, 0) if names[:2] == ["z", "x"] else (0, 1)
-            return x or units[first], z or units[second]
-        if not units:
+    plain = plain_unit(str(unit)).removeprefix("\ufeff")
+    match = TIMES.fullmatch(plain)
+    times, word = (float(match[1]), match[2]) if match else (1.0, plain)
+    found = known.get(word, known.get(word.lower()) if known is LENGTHS else None)
+    if found is None or not times > 0.0:
+        raise DataError(
+            f"{name} = {str(unit)[:40]!r}; allowed units: {allowed}, or a number of them; give one of these"
+        )
+    return times * found
+
+
+def units_above(lines: Iterable[str]) -> dict[str, str]:
+    """{"x", "z": unit} of lines as `Lateral units: um` and `Units: um`, the lowest first."""
+    found: dict[str, str] = {}
+    for line in reversed(list(lines)):
+        match = LABEL.fullmatch(normalize("NFC", line))
+        if not match or plain_unit(match[2]).lower() not in LENGTHS:
             continue
-        if re.search(r"\d", line) and not re.search(r"\bunits?\b", line, re.I):
-            reason = f"the line {line.strip()[:40]!r} names {units[0]}, but not of which column"
-            raise DataError(f"{reason}; write the units of both right above the numbers, as in x (um), z (um)")
-        if FOR_X.search(line) and not FOR_Z.search(line):
-            x = x or units[0]
-        elif FOR_Z.search(line) and not FOR_X.search(line):
-            z = z or units[0]
-        else:
-            return x or units[0], z or units[0]
-    return (x or z, z or x) if x or z else None  # type: ignore[return-value]
-
-
-def _units(line):
-    """The units that a line names, in order."""
-    marked = {group.lower() for match in ENCLOSED.findall(line) for group in match if group}
-    words = WORD.findall(line.replace("_", " "))
-    alone = bool(words) and all(word.lower() in FACTORS for word in words)  # a row of units
-    found = []
-    for word in words:
-        plain = word.lower()
-        if plain in OTHERS and plain in marked:
-            raise DataError(f"a length in {word}; allowed units: nm, um, mm, cm, m, Å; convert it")
-        if plain in FACTORS and (len(plain) > 1 or plain in marked or alone):
-            found.append(word)
+        x, z = (bool(each.search(match[1])) for each in (FOR_X, FOR_Z))
+        for name in ("x",) * (x or not z) + ("z",) * (z or not x):
+            found.setdefault(name, match[2])
     return found
+
+
+def mentioned(lines: Iterable[str]) -> str:
+    """Why a length unit in some line above the numbers is not used: it may be of anything; "" where there is none."""
+    for line in reversed(list(lines)):
+        for word in re.findall(r"[^\W\d_]+", plain_unit(line).replace("_", " ")):
+            if len(word) > 1 and word.lower() in LENGTHS and word not in ("in", "IN", "In"):
+                return f"; the line {' '.join(line.split())[:40]!r} names {word}, but not of which column"
+    return ""

@@ -15,6 +15,16 @@ FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another un
 LAID = 500  # points of a measured curve that the browser draws and compares with each picture of a drag
 
 
+def _remedy(call):
+    """What a visitor can do about what a file does not say: the page asks for a speed, and for the factor of a force."""
+    unknown = {name for name, unit in call.get("units", {}).items() if unit is ...}
+    if call.keys() == {"speed"} or call.keys() == {"kind", "speed"}:
+        return "; give speed= (nm/s)"
+    if call.keys() == {"units"} and len(unknown) == 1 and unknown <= {"F", "L"}:
+        return "; give force= (N/m per unit)"
+    return "; write names and units in the heading, as in U_x (nm),F (N/m)" if call else ""
+
+
 def read_curve(
     scene: Scene, content: bytes, speed: float | None = None, force: float | None = None
 ) -> tuple[dict[str, Any] | None, str | None]:
@@ -27,7 +37,7 @@ def read_curve(
         with worker.bounded_memory(MEMORY):
             read = read_measurement(scene, content, speed, force)
     except DataError as error:
-        return None, str(error)
+        return None, f"{error.brief}{_remedy(error.call)}"
     except MemoryError:
         return None, "reading it takes too much memory; thin it out"
     moving = [each for each in read.segments if each.name != "hold"]

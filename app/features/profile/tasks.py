@@ -1,5 +1,6 @@
 """Reads the file of a profile, for workers."""
 
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,26 +30,38 @@ def measured(content: bytes, chosen: Chosen) -> tuple[Profile | None, str | None
     """
     try:
         with worker.bounded_memory(MEMORY):
-            trace = read_trace(content, chosen.unit or None)
-            long, drawn = np.ptp(trace.x) > LONG, _drawn(trace)
-            if not chosen.sure and (long or not trace.named):
+            trace, named = _trace(content, chosen.unit)
+            long, drawn = np.ptp(trace.x) > LONG, _drawn(trace, named)
+            if not chosen.sure and (long or not named):
                 return None, None, drawn
             part = None if chosen.begin is None or chosen.end is None else (chosen.begin, chosen.end)
             try:
                 return read_profile(content, unit=chosen.unit or None, part=part, cut_off=chosen.cut_off), None, None
             except SteepError as error:
-                return None, str(error), drawn | {"cut_off": error.cut_off}
+                return None, error.brief, drawn | {"cut_off": error.cut_off}
             except DataError as error:
-                return None, str(error), drawn if chosen.sure else None
+                return None, error.brief, drawn if chosen.sure else None
     except DataError as error:
-        return None, str(error), None
+        return None, error.brief, None
     except MemoryError:
         return None, "reading it takes too much memory; export it as CSV of x and z", None
 
 
-def _drawn(trace):
+def _trace(content, unit):
+    """(the Trace, whether its unit is known); of a file that lacks nothing but the unit, as it would be in nm."""
+    try:
+        return read_trace(content, unit=unit or None), True
+    except DataError as error:
+        if unit or error.call.keys() - {"units", "unit"} or not error.call:
+            raise
+        with suppress(DataError):  # one of the two is named
+            return read_trace(content, unit="nm"), False
+        raise
+
+
+def _drawn(trace, named):
     """A Trace thinned out to be drawn, with its extent in nm; where no unit is named, in that of the file."""
     every = 1 + trace.x.size // DRAWN
     x, z = trace.x - trace.x[0], trace.z - trace.z.min()
     extent = {"length": float(x[-1]), "height": float(z.max()), "points": int(x.size)}
-    return {"x": x[::every].tolist(), "z": z[::every].tolist(), "named": bool(trace.named)} | extent
+    return {"x": x[::every].tolist(), "z": z[::every].tolist(), "named": named} | extent

@@ -46,7 +46,7 @@ def test_profiles_of_different_length_have_different_names():
 
 def test_an_uploaded_text_is_never_taken_for_the_name_of_a_file(tmp_path):
     file = tmp_path / "p.csv"
-    file.write_text("U_x,F\n" + "".join(f"{k},{0.1 * (k % 2)}\n" for k in range(41)))
+    file.write_text("x,z\n" + "".join(f"{k},{0.1 * (k % 2)}\n" for k in range(41)))
     chosen = tasks.Chosen("nm", sure=True)
     assert tasks.measured(file.read_bytes(), chosen)[0] is not None
     found, why, _ = tasks.measured(str(file).encode(), chosen)
