@@ -28,11 +28,17 @@ def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> dict[str, in
 def given(table: Table, columns: Given | None, allowed: Sequence[str]) -> dict[str, int | None]:
     """{role: index} of the argument `columns`: {role: name, or number from 1 on, or None for none}."""
     found: dict[str, int | None] = {}
-    for role, wanted in (columns or {}).items():
-        if role not in allowed:
-            raise DataError(f"columns has {role!r}; allowed: {', '.join(allowed)}; give some of these", table=table)
+    for role, wanted in checked("columns", columns, allowed).items():
         found[role] = None if wanted is None else _index(table, role, wanted)
     return found
+
+
+def checked(name: str, values: Mapping[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:
+    """An argument {role: value}; raises DataError for a role that is not allowed."""
+    for role in values or {}:
+        if role not in allowed:
+            raise DataError(f"{name} has {role!r}; allowed: {', '.join(allowed)}; give some of these")
+    return dict(values or {})
 
 
 def _index(table, role, wanted):

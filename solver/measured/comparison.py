@@ -242,5 +242,8 @@ def _shift(measured, pairs):
     if min(tried) == np.inf:
         reason = _spans(np.array([first, last]), np.array([low, high]))
         raise ValueError(f"no zero and positive scale bring half of the points over the run: {reason}")
-    found = minimize_scalar(apart, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-6 * step})
+    with np.errstate(invalid="ignore"):  # a parabola through an infinite value
+        found = minimize_scalar(
+            apart, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-6 * step}
+        )
     return float(found.x)

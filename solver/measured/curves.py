@@ -12,7 +12,7 @@ from ..run.frame import STAGES, Stage
 from ..scene import Scene
 from ..surfaces import DataError
 from ..text import counted
-from .columns import Given, asked, called, for_user, given, not_used, recognised
+from .columns import Given, asked, called, checked, for_user, given, not_used, recognised
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
 from .tables import SHOWN, Source, listed, read_table
@@ -130,6 +130,7 @@ class _Reader:
         self.units: dict[str, str] = {}
         self.known = recognised(self.table, NAMED)
         self.given = given(self.table, how.columns, ROLES)
+        how.units = checked("units", how.units, ROLES)
         self.own = {k: role for role, k in self.known.items()}  # what a heading says of a column
         self.known = {role: k for role, k in (self.known | self.given).items() if k is not None}
         self.notes: list[str] = []
@@ -181,7 +182,7 @@ class _Reader:
             if name == "delta" and self.own.get(k) in ("height", "position"):
                 self.role[name] = self.own[k]
         for name in [name for name in self.of if name not in self._needed() and self._unit(name) is None]:
-            if self.how.units and name in self.how.units:
+            if name in self.how.units:
                 continue
             self.of.pop(name)
 
@@ -208,13 +209,13 @@ class _Reader:
         }
         reason = "which column is what is not certain; needed: U_x (or time) and F, delta and L, or A over one of these"
         units = {name: (k is not None and self.table.columns[k].unit) or ... for name, k in of.items()}
-        own = all(column.unit for column in self.table.columns if column.low == column.low)
+        own = sum(bool(column.unit) for column in self.table.columns) > 1
         return asked(self.table, reason, of, names, **({} if own else {"units": units}))
 
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
         role, column = self.role[name], self.table.columns[self.of[name]]
-        wanted = (self.how.units or {}).get(name)
+        wanted = self.how.units.get(name)
         if role.endswith("_bar"):
             return 1.0, "w" if name == "A" else "w E"
         kinds = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}
@@ -279,7 +280,7 @@ class _Reader:
         return asked(self.table, "; ".join(whys), self.of, self._needed(), units=units)
 
     def _own(self, name):
-        return (self.how.units or {}).get(name) or self.table.columns[self.of[name]].unit
+        return self.how.units.get(name) or self.table.columns[self.of[name]].unit
 
     def _turned(self, values):
         """The quantities with their signs, without the deflection of the lever; asks for a sign that may be wrong."""
@@ -311,7 +312,7 @@ class _Reader:
             spring = [
                 f"{key} = {text}" for key, text in self.said.items() if re.search("spring|force con|stiffn", key, re.I)
             ]
-            beside = f"; the file says {spring[0]}: deflection= takes the lever off it" if spring else ""
+            beside = f"; the file says {spring[0]}: give it as deflection, which takes the lever off" if spring else ""
             likely = -1 if delta[np.argmax(L)] < far else 1
             raise self._asked_sign(
                 {"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?{beside}"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..scene import LIMITS
 from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
 from ..text import counted
-from .columns import Given, asked, for_user, given, not_used, recognised
+from .columns import Given, asked, checked, for_user, given, not_used, recognised
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Source, content_of, listed, read_table
@@ -201,6 +201,7 @@ def _points(source, how):
 def _x_and_z(table, how):
     """{"x": index, "z": index}, by name or as given; two columns without names are x and z. Raises DataError."""
     of = given(table, how.columns, "xz")
+    checked("units", how.units, "xz")
     if len(table.columns) < 2:
         raise DataError(f"one column, two are needed: {NEEDED}", None, table)
     known = recognised(table, NAMED)
@@ -246,7 +247,7 @@ def _units(table, of, how):
 def _unit_call(table, of, how):
     """The argument `units` of the call that reads a table; {} where the file names all of them."""
     known = {role: unit if unit and unit.lower() in NM else ... for role, unit in _named_units(table, of, how).items()}
-    own = all((column.unit or "").lower() in NM for column in table.columns if column.low == column.low)
+    own = None in of.values() and sum((column.unit or "").lower() in NM for column in table.columns) > 1
     return {} if how.unit or own or ... not in known.values() else {"units": known}
 
 

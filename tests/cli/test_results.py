@@ -152,7 +152,8 @@ def test_cautions_reach_python_html_and_json(tmp_path):
 
 def test_notes_on_a_profile_reach_python():
     x = np.linspace(0.0, 160.0, 129)
-    profile = read_profile("\n".join(f"{a},{5.0 * np.exp(-(((a - 80.0) / 30.0) ** 2))}" for a in x))
+    rows = "\n".join(f"{a},{5.0 * np.exp(-(((a - 80.0) / 30.0) ** 2))}" for a in x)
+    profile = read_profile(rows, unit="nm")
     scene = Scene(surface="measured", measured=profile, width=160.0, nodes=64, u_x_max=0.2)
     assert f"Profile: {profile.notes[0]}" in repr(simulate(scene))
 

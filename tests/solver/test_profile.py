@@ -569,12 +569,12 @@ def test_heights_in_a_wrong_unit_are_refused(factor):
 
 
 ASKED = {  # text that a refusal shows: {what is filled in for the dots of its call}
-    "an index before the heights": ("Index,Height (um),Depth (um)", {"columns": {"x": 3}, "units": {"x": "um"}}),
+    "an index before the heights": ("Index,Height (um),Depth (um)", {"columns": {"x": 3}}),
     "another coordinate": ("x (um),y (um),y (um)", {"columns": {"z": 2}}),
     "no names": ("", {"columns": {"x": 3, "z": 2}, "units": {"x": "um", "z": "um"}}),
     "names of an unknown language": (
         "Nr,Höhe (um),Weg (um)",
-        {"columns": {"x": "Weg", "z": "Höhe"}, "units": {"x": "um", "z": "um"}},
+        {"columns": {"x": "Weg", "z": "Höhe"}},
     ),
 }
 

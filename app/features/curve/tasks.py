@@ -16,7 +16,7 @@ LAID = 500  # points of a measured curve that the browser draws and compares wit
 
 
 def _remedy(call):
-    """What a visitor can do about what a file does not say: the page asks for a speed, and for the factor of a force."""
+    """What a visitor can do about what a file does not say: the page asks for a speed, or the factor of a force."""
     unknown = {name for name, unit in call.get("units", {}).items() if unit is ...}
     if call.keys() == {"speed"} or call.keys() == {"kind", "speed"}:
         return "; give speed= (nm/s)"
