@@ -18,11 +18,14 @@ def plain(name: str) -> str:
     return re.sub(r"[\W_]", "", name.lower())
 
 
-def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> dict[str, int]:
-    """{role: index} of the roles that one column has by its name; words: {role: names in small letters}."""
+def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> tuple[dict[str, int], set[str]]:
+    """({role: index} of the roles that one column has by its name, roles that several have).
+
+    words: {role: names in small letters}.
+    """
     names = [plain(column.name) for column in table.columns]
     found = {role: [k for k, name in enumerate(names) if name in known] for role, known in words.items()}
-    return {role: at[0] for role, at in found.items() if len(at) == 1}
+    return {role: at[0] for role, at in found.items() if len(at) == 1}, {r for r, at in found.items() if len(at) > 1}
 
 
 def given(table: Table, columns: Given | None, allowed: Sequence[str]) -> dict[str, int | None]:

@@ -42,8 +42,7 @@ DEEP, FORCES, LOADS, AREAS = ("delta", "height", "position"), ("F_bar", "F"), ("
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
     ("friction", ("U_x",), (*FORCES, "force")),
     ("friction", ("displacement",), FORCES),
-    ("load", DEEP, (*LOADS, "force")),
-    ("load", ("U_x",), LOADS),
+    ("load", DEEP, (*LOADS, "force")),  # where no friction force is named
     ("friction", ("time",), FORCES),
     ("area", ("U_x", *FORCES, "force", *LOADS), AREAS),
 )
@@ -128,7 +127,7 @@ class _Reader:
         self.scene, self.block, self.how, self.table = scene, block, how, block.table
         self.said = _said(block.table.above)
         self.units: dict[str, str] = {}
-        self.known = recognised(self.table, NAMED)
+        self.known, self.several = recognised(self.table, NAMED)
         self.given = given(self.table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
         self.own = {k: role for role, k in self.known.items()}  # what a heading says of a column
@@ -140,28 +139,32 @@ class _Reader:
         self.stages = self._stages()
         self.kind = self._kind()
         values, lines = self._values()
-        values = self._turned(values)
+        values = self._turned(self._timed(values))
         kept = self._part(values)
         lines, values = lines[kept], {name: column[kept] for name, column in values.items()}
         return {"friction": self._friction, "load": self._load, "area": self._area}[self.kind](lines, values)
 
     def _kind(self):
         """The kind of the curve, "friction" for a loop as well; sets `of`. Raises DataError where it is not certain."""
-        known, kind = self.known, self.how.kind
-        wanted = [role for role in ("U_x", "delta", "time") if self.given.get(role) is not None]
-        sides = (
-            [("friction" if kind == "loop" else kind, *MEANT["friction" if kind == "loop" else kind])] if kind else SURE
-        )
-        if not kind and self.how.speed is not None:
+        kind = "friction" if self.how.kind == "loop" else self.how.kind
+        known, named = self.known, {*self.known, *self.several}
+        over = [role for role in ("U_x", "delta", "time") if self.given.get(role) is not None]
+        sides = [(kind, *MEANT[kind])] if kind else SURE
+        if self.how.speed is not None:
             sides = (*sides, ("friction", ("time",), ("force",)))
-        if not kind and "displacement" in known and not {"U_x", *FORCES, *DEEP} & known.keys():
+        if not kind and "displacement" in named and not {"U_x", *FORCES, *DEEP} & named:
             sides = ()  # a machine's displacement and force may be those of a press
-        for found, over, value in sides:
-            over = [role for role in wanted or over if role in over and role in known]
-            value = [role for role in value if role in known and known[role] != known.get(over[0] if over else "")]
-            if over and value and (self.stages is None or kind or found == self._stage_kind()):
-                self._take(found, over[0], value[0])
-                return found
+        for found, across, values in sides:
+            x = [role for role in over or across if role in across and role in named]
+            y = [role for role in values if role in named and not (x and known.get(role, -1) == known.get(x[0]))]
+            if not (x and y) or (self.stages is not None and found != self._stage_kind()):
+                continue
+            if not kind and not over and found == "load" and {*FORCES} & named:
+                continue
+            if x[0] not in known or y[0] not in known:
+                break
+            self._take(found, x[0], y[0])
+            return found
         raise self._asked_kind(kind)
 
     def _stage_kind(self):
@@ -191,26 +194,25 @@ class _Reader:
 
     def _asked_kind(self, kind):
         """The DataError for columns that are not certain."""
-        known = self.known
-        kind = "friction" if kind == "loop" else kind
+        known, table = self.known, self.table
         if not kind and "displacement" in known and {"force", *LOADS} & known.keys():
             reason = "a displacement and a force: along the surface (friction, loop) or into it (load)?"
-            return DataError(f"{reason} {self.table}", table=self.table, call={"kind": ...})
+            return DataError(f"{reason} {table}", table=table, call={"kind": ...})
         if not kind and {"time", "force"} <= known.keys():
-            call = {"kind": "friction", "speed": ...}
-            return DataError(f"a force over time; {self.table}", table=self.table, call=call)
-        deep, areas = ({*DEEP, *LOADS} & known.keys(), {*AREAS} & known.keys())
-        kind = kind or ("area" if areas else "load" if deep and not {"U_x", *FORCES} & known.keys() else "friction")
-        names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
-        over, value = MEANT[kind]
-        of = {
-            name: next((known[r] for r in roles if r in known), None)
-            for name, roles in zip(names, (over, value), strict=True)
-        }
+            return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
         reason = "which column is what is not certain; needed: U_x (or time) and F, delta and L, or A over one of these"
-        units = {name: (k is not None and self.table.columns[k].unit) or ... for name, k in of.items()}
-        own = sum(bool(column.unit) for column in self.table.columns) > 1
-        return asked(self.table, reason, of, names, **({} if own else {"units": units}))
+        if not kind and not {*known, *self.several} - {"time", "stage", "segment"}:
+            return DataError(f"{reason}; {table}", table=table, call={"kind": ...})
+        loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & {*known, *self.several}
+        kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
+        names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
+        if kind == "friction" and "time" in known and "U_x" not in known:
+            names = ("time", "F")
+        roles = dict(zip(names, MEANT[kind], strict=True))
+        of = {name: next((known[each] for each in roles[name] if each in known), None) for name in names}
+        units = {name: (k is not None and table.columns[k].unit) or ... for name, k in of.items()}
+        own = sum(bool(column.unit) for column in table.columns) > 1
+        return asked(table, reason, of, names, **({} if own else {"units": units}))
 
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
@@ -332,13 +334,14 @@ class _Reader:
 
     def _part(self, values):
         """Which points (k,) are in the part that is asked for."""
-        over = values.get(self._needed()[0])
-        if self.how.part is None or "time" in values:
+        name = next(iter(values))
+        over = values[name]
+        if self.how.part is None:
             return slice(None)
         start, end = map(float, self.how.part)
         inside = (over >= start) & (over <= end)
         if inside.sum() < FEWEST:
-            found = f"{over.min():.6g} .. {over.max():.6g} {self.units[self._needed()[0]]}"
+            found = f"{over.min():.6g} .. {over.max():.6g} {self.units[name]}"
             raise DataError(
                 f"part = {self.how.part}: {counted(int(inside.sum()), 'point')} of {found}; give a part of that"
             )
@@ -346,15 +349,7 @@ class _Reader:
         return inside
 
     def _friction(self, lines, values):
-        """Friction over U_x, or over time at a speed: one stroke, or a loop."""
-        if "time" in values:
-            time = values.pop("time")
-            if np.any(np.diff(time) < 0.0):
-                raise DataError("time goes back; keep one stroke, or sort the lines by time")
-            values = {"U_x": self._speed() * (time - time[0])} | values
-            self.units["U_x"] = "nm"
-        elif self.how.speed is not None:
-            raise DataError(f"speed = {self.how.speed:g}: used with friction over time only; leave it out")
+        """Friction over U_x: one stroke, or a loop."""
         slides = _sliding(self.stages) if self.stages is not None else []
         if len(slides) == 1:
             return self._stroke(values)
@@ -440,6 +435,18 @@ class _Reader:
             parts += [(_part_named(text), np.arange(first, first + count))] * moves
             first += count
         return parts
+
+    def _timed(self, values):
+        """Quantities over U_x in place of time."""
+        if "time" not in values:
+            if self.how.speed is not None:
+                raise DataError(f"speed = {self.how.speed:g}: used with friction over time only; leave it out")
+            return values
+        time = values.pop("time")
+        if np.any(np.diff(time) < 0.0):
+            raise DataError("time goes back; keep one stroke, or sort the lines by time")
+        self.units["U_x"] = "nm"
+        return {"U_x": self._speed() * (time - time[0])} | values
 
     def _speed(self):
         """nm/s, as given; raises DataError with what the file says of it."""

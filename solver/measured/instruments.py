@@ -20,6 +20,7 @@ BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# (Ch|K)an\w+: |\\\*File l
 UNREAD = (  # what a file is that the library cannot read: a test of its content, and what to do
     (lambda raw: raw[:2] == b"PK" and b"/main.xml" in raw, "an X3P in a folder; zip the files without their folder"),
     (lambda raw: raw[:12] == b"DSCOMPRESSED", "a compressed SUR; save it without compression"),
+    (lambda raw: not raw.strip(b"\0"), "an empty file"),
     (lambda raw: raw[:5] == b"%PDF-" or raw[:4] == b"\x7fELF" or raw[:2] == b"MZ", "no measurement"),
     (lambda raw: raw[:8] == b"\x89PNG\r\n\x1a\n" or raw[:3] == b"\xff\xd8\xff", "a picture, whose heights are lost"),
 )

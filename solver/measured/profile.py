@@ -204,10 +204,10 @@ def _x_and_z(table, how):
     checked("units", how.units, "xz")
     if len(table.columns) < 2:
         raise DataError(f"one column, two are needed: {NEEDED}", None, table)
-    known = recognised(table, NAMED)
+    known, several = recognised(table, NAMED)
     if len(table.columns) == 2 and not any(column.name for column in table.columns):
         known = {"x": 0, "z": 1}
-    if "z" not in known and "y" in known:  # of x, y; of x, y, z it is another coordinate
+    if "z" not in {*known, *several} and "y" in known:  # of x, y; of x, y, z it is another coordinate
         known["z"] = known["y"]
     of = {role: known.get(role) for role in "xz"} | of
     if None in of.values() or of["x"] == of["z"]:

@@ -16,6 +16,7 @@ from .units import named_unit, parted, plain_unit
 Source = str | bytes | PathLike[str] | TextIO
 MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
 MOST_COLUMNS = 100
+MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
 MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
 SHOWN = 40  # characters of a cell in a message
 FIRST = 5  # rows that a refusal shows
@@ -116,6 +117,11 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     Returns a Block. Raises DataError.
     """
     raw = _text(source).split("\n")
+    if len(raw) > MOST_LINES or max(map(len, raw)) > LONGEST_LINE:
+        most = f"up to {MOST_LINES} lines of {LONGEST_LINE} characters"
+        raise DataError(
+            f"{len(raw)} lines, the longest of {max(map(len, raw))} characters; allowed: {most}; thin it out"
+        )
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
     layout = _layout(lines)
     if layout is None:
@@ -176,8 +182,9 @@ def _ranges(raw, lines, layout):
     groups = np.searchsorted(text, rows)
     cuts = np.flatnonzero(np.diff(groups)) + 1
     ranges = [part for part in np.split(rows, cuts) if part.size]
-    last = [max((at for at in named if at < part[0]), default=None) for part in ranges]
-    return ranges, ["" if at is None else named[at] for at in last]
+    at = list(named)
+    last = np.searchsorted(at, [part[0] for part in ranges]) - 1
+    return ranges, ["" if k < 0 else named[at[k]] for k in last]
 
 
 def _chosen(ranges, names, channel):
@@ -227,7 +234,7 @@ def _cells(texts, layout, width, rows):
     """The columns of rows: float64 (k,) each, or words."""
     from pandas import read_csv, to_numeric  # takes longer to import than the solver
 
-    text = "\n".join(texts).replace("\N{MINUS SIGN}", "-")
+    text = "\n".join(texts).replace("\N{MINUS SIGN}", "-").replace('"', "")
     if "D" in text or "d" in text:
         text = FORTRAN.sub(r"\1e\2", text)
     commas = layout.separator != "," and "," in text
@@ -237,7 +244,7 @@ def _cells(texts, layout, width, rows):
         raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
     frame = read_csv(
         StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
-        decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False,
+        decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
         skipinitialspace=True, low_memory=False, dtype=str if words else None,
     )  # fmt: skip
     cells = []

@@ -300,6 +300,15 @@ def test_what_is_given_beside_what_the_file_says_is_named_or_refused():
             read_measurement(SMALL, table(f"U_x (nm),{unit}", TIMED, TIMED), force=3.0)
 
 
+def test_of_two_friction_forces_and_a_height_beside_a_load_one_is_asked_for():
+    """A tribometer's table: Z and Fz alone would be a load."""
+    text = table("Fx,Fz,Z,T,Ff\ng,g,mm,sec,g", np.sin(TIMED), 2.0 + TIMED, TIMED, TIMED, np.sin(TIMED))
+    with pytest.raises(DataError, match=r'columns=\{"time": "T", "F": ...\}\)$') as refused:
+        read_measurement(SMALL, text, speed=5.0)
+    found = read_measurement(SMALL, text, **filled(refused, columns={"F": "Ff"}), part=(2.0, 8.0))
+    assert (found.kind, found.units["F"]) == ("friction", "N") and np.ptp(found.segments[0].x) <= 6.0
+
+
 def test_friction_over_time_without_a_speed_is_refused_with_what_the_file_says():
     text = table("Time (s),Fx (N/m),Fz (N/m)", TIMED, TIMED, TIMED, above="Velocity = 240\n")
     with pytest.raises(DataError, match=r"the file says Velocity = 240; call .*, speed=...\)$") as refused:

@@ -22,7 +22,7 @@ from app.features.lab.base import LabPage, side_by_side
 from app.features.lab.tasks import flat_frames
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
-from solver import fit
+from solver import DataError, fit
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
 from solver.measured.curves import read_measurement
 from solver.measured.measurement import Measurement
@@ -81,7 +81,11 @@ class Fit(LabPage):
         """
         if len(content) > LARGEST:
             raise ValueError(f"the file has {len(content)} bytes; allowed: {LARGEST}; thin it out")
-        measured = await self.call(read_measurement, self.scene, content, speed, force, private=True)
+        try:
+            measured = await self.call(read_measurement, self.scene, content, speed, force, private=True)
+        except DataError as error:
+            remedy = "; write names and units in the heading, as in U_x (nm),F (N/m)" * bool(error.call)
+            raise ValueError(f"{error.brief}{remedy}") from None
         if isinstance(measured, Recording):
             loop = "this is a loop; the page takes one stroke; in Python, fit takes all of it"
             raise ValueError(measured.unfit or loop)
