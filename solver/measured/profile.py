@@ -211,7 +211,7 @@ def _x_and_z(table, how):
         known["z"] = known["y"]
     of = {role: known.get(role) for role in "xz"} | of
     if None in of.values() or of["x"] == of["z"]:
-        many = len(table.columns) > 4 and not any(column.name for column in table.columns)
+        many = len(table.columns) > 2 and not any(column.name for column in table.columns)
         matrix = "; if this is a map of heights, save one line of it as x and z" * many
         unclear = [role for role in "xz" if of[role] is None]
         reason = f"which column is {' and which '.join(unclear) or 'z'} is not certain{matrix}"
