@@ -271,7 +271,7 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
         (bytes(range(256)), "no known file of an instrument"),
         ("1,2\n2,3\n".encode("utf-16-le"), "no known file of an instrument"),
         (b"x,z\n1,2\n3,\xb5\n", "line 3: 'µ' is not a number"),
-        (b"\0" * 100, "no known file of an instrument"),
+        (b"\0" * 100, "this is an empty file"),
         (b"7" * (MOST_BYTES + 1), "more than 20 MB"),
     ],
 )
