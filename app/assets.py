@@ -1,7 +1,8 @@
 """Addresses of scripts, styles and stored runs: ./app/VERSION/NAME, where VERSION is a hash of all these files.
 
-NAME is that of a file below `static` or `features`, or STYLE: the styles of all features. A browser caches such an
-address for a year (app/web.py). Modules import each other relatively, so they come from the same version. All addresses
+NAME is that of a file below `static` or `features`, or of one that is MADE: STYLE, all styles, and the scripts of
+app/modules.py. A browser caches such an address for a year (app/web.py). Scripts import each other relatively, so they
+come from the same version. All addresses
 are relative to the page, so a proxy may add any prefix. Files are read once: a server shows changed ones after its next
 start.
 """
@@ -9,6 +10,7 @@ start.
 import gzip
 import hashlib
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path, PurePosixPath
 from posixpath import normpath
@@ -17,7 +19,8 @@ from app import interface
 
 HERE = Path(__file__).parent
 STATIC = HERE / "static"
-STYLE = "features/style.css"
+STYLE = "static/all.css"
+MADE: dict[str, Callable[[], str]] = {}  # {name: what makes its text}
 MAIN, SCRIPT = "static/js/main.js", "features/{}/index.js"
 SERVED = {".js", ".html", ".bin"}  # endings of files of features that a browser may request
 IMPORT = re.compile(r'(?:\bfrom|^import) "(\.[^"]+)"', re.M)  # of what a script needs at once
@@ -48,9 +51,13 @@ def version() -> str:
     return tree.hexdigest()[:16]
 
 
-def styles() -> list[str]:
-    """Return the names of all styles."""
-    return [name for name in files() if name.endswith(".css")] + [STYLE]
+def style() -> str:
+    """Return the styles of the core, then those of features in their order."""
+    own = [path for name, path in files().items() if name.endswith(".css")]
+    return "".join(path.read_text(encoding="utf-8") for path in [*own, *interface.files("style.css")])
+
+
+MADE[STYLE] = style
 
 
 def scripts(kind: str = interface.PAGE) -> list[str]:
@@ -91,8 +98,8 @@ def hashed(raw: bytes) -> str:
 @cache
 def content(name: str | Path) -> tuple[bytes, bytes, str]:
     """Return (content, compressed content, hash) of a name, or of a path of another package."""
-    if name == STYLE:
-        raw = b"".join(path.read_bytes() for path in interface.files("style.css"))
+    if name in MADE:
+        raw = MADE[str(name)]().encode()
     else:
         raw = (name if isinstance(name, Path) else files()[name]).read_bytes()
     return raw, gzip.compress(raw, 9, mtime=0), hashed(raw)

@@ -15,17 +15,11 @@ from tempfile import TemporaryDirectory
 from bokeh.embed.bundle import extension_dirs
 from jinja2 import Environment
 
-from app import assets, page
+from app import assets, modules, page
 from app.session.controls import NAMES
 
 NAME = "mixed-mode-contact"  # of the extension
 PLAYED, LIVE = "alone", "placed"  # kinds of a Stage: see `interface.used`
-FROM = r' from "(\.[^"]+)"$'
-IMPORT = re.compile(rf"^import (?:\* as (\w+)|\{{([^}}]+)\}}){FROM}", re.M)
-LATER = re.compile(r"\bimport\(([\"`])(\.[^\"`]+)\1\)")
-EXPORT = re.compile(r"^export (?=(?:const|(?:async )?function\*?|class) (\w+))", re.M)
-ROOT = "export const root = document.documentElement"
-ADDRESSED = 'import(name.startsWith(".") ? new URL(name, document.baseURI).href : name)'
 PLACED = """
 .root[data-alone] :is(header, #above, #lost, .controls, #grab) { display: none; }
 .root { container: stage / inline-size; font-size: 1rem; }
@@ -56,13 +50,12 @@ def path() -> Path | None:
 @cache
 def script(*kinds: str) -> str:
     """Return the text of the script; kinds: of the Stages that it draws, PLAYED or LIVE."""
-    modules = ",\n".join(f"{json.dumps(name)}() {{\n{_body(name)}\n}}" for name in _modules(kinds))
     contents = json.dumps({kind: _content(kind) for kind in kinds} | {"style": _style()}).replace("</", "<\\/")
     return f"""const contents = {contents}
 function makeStage($root) {{
 const $made = {{}}, $get = (name) => ($made[name] ??= $modules[name]()), $later = async (name) => $get(name)
 const $modules = {{
-{modules}
+{modules.functions(_modules(kinds))}
 }}
 return $get({json.dumps(assets.MAIN)})
 }}
@@ -76,25 +69,10 @@ def _modules(kinds):
     found, left = set[str](), {assets.MAIN}.union(*map(assets.scripts, kinds))
     while left:
         found |= (needed := assets.needed(*left))
-        named = ((by, name) for by in needed for _, name in LATER.findall(assets.text(by)) if "$" not in name)
+        named = ((by, name) for by in needed for _, name in modules.LATER.findall(assets.text(by)) if "$" not in name)
         later = {assets.imported(by, name) for by, name in named}
         left = later - found
     return sorted(found)
-
-
-def _body(name):
-    """Return a module as the body of a function that returns what it exports."""
-    named = lambda other: assets.imported(name, other)  # noqa: E731
-    text = assets.text(name).replace(ROOT, "const root = $root").replace(ADDRESSED, "$later(name)")
-    text = IMPORT.sub(lambda m: f"const {m[1] or _renamed(m[2])} = $get({json.dumps(named(m[3]))})", text)
-    text = LATER.sub(lambda m: f"$later({m[1]}{named(m[2])}{m[1]})", text)
-    exports = EXPORT.findall(text) + ["root"] * ("const root = $root" in text)
-    return f"{EXPORT.sub('', text)}\nreturn {{ {', '.join(exports)} }}"
-
-
-def _renamed(names):
-    """Return what an import takes as the names of a record."""
-    return f"{{{names.replace(' as ', ': ')}}}"
 
 
 def _content(kind):
@@ -111,7 +89,6 @@ def _content(kind):
 
 def _style():
     """Return the styles, whose sizes are those of the Stage in place of the window's."""
-    text = "\n".join(assets.content(name)[0].decode() for name in assets.styles())
-    text = text.replace("dvh", "cqh").replace(":root", ".root").replace("html, body {", ".root {")
+    text = assets.text(assets.STYLE).replace("dvh", "cqh").replace(":root", ".root").replace("html, body {", ".root {")
     text = re.sub(r"@media \(max-width: (\d+px)\)[^{]*", r"@container stage (width <= \1) ", text)
     return f"<style>{text}{PLACED}</style>"

@@ -18,7 +18,7 @@ from panel.io.resources import Resources as PanelResources
 from panel.io.resources import bundle_resources
 from panel.io.state import set_curdoc
 
-from app import assets, interface, schema
+from app import assets, interface, modules, schema
 from app.server_log import reach
 from app.session.controls import CONTROLS, FOR_BROWSER, FOR_SERVER, scene_from_address, values_of
 from solver.presets import presets
@@ -82,11 +82,10 @@ def template(kind: str = interface.PAGE) -> str:
 def values(root: str) -> dict[str, Any]:
     """Return what the template takes; root: address of scripts and styles."""
     return {
-        "root": root,
-        "main": f"{root}/{assets.MAIN}",
+        "style": f"{root}/{assets.STYLE}",
+        "opening": f"{root}/{modules.OPENING}",
+        "script": f"{root}/{modules.PAGE}",
         "declarations": declarations(root) | {"reach": reach()._asdict()},  # not in a file that is given away
-        "styles": assets.styles(),
-        "scripts": assets.preloaded(),
         "controls": CONTROLS,
         "schema": schema,
         "speeds": SPEEDS,
@@ -106,5 +105,5 @@ def declarations(root: str) -> dict[str, Any]:
         "scene": sorted(FOR_SERVER),
         "viewed": sorted(FOR_BROWSER),  # names in an address
         **interface.declared(root),
-        "features": [f"{root}/{name}" for name in assets.scripts()],
+        "features": assets.scripts(),
     }

@@ -223,7 +223,7 @@ class Files(Plain):
     def found(self, name: str) -> str | Path | None:
         """Return the name of a file of app/assets.py or the path of a file in the folder, or None."""
         if self.folder is None:
-            return name if name in assets.files() or name == assets.STYLE else None
+            return name if name in assets.files() or name in assets.MADE else None
         with suppress(ValueError, OSError):  # a name with a null byte, or one that is too long
             path = (self.folder / name).resolve()
             return path if path.is_relative_to(self.folder) and path.is_file() else None

@@ -49,9 +49,11 @@ from .sweeps import sweep
 from .text import scene_from_text
 
 if TYPE_CHECKING:
+    from .analysis.boundary import Boundary, boundary
     from .analysis.maps import Axis, Map, explore_map
     from .analysis.sensitivities import sensitivities
     from .analysis.toughness import release_rates, toughness
+    from .analysis.unstable import UnstableBranch, unstable_branch
     from .measured.curves import read_measurement
     from .measured.fit import fit
     from .measured.profile import read_profile
@@ -63,6 +65,7 @@ __all__ = [
     "METHODS",
     "SURFACES",
     "Axis",
+    "Boundary",
     "Certificate",
     "Checkpoint",
     "DataError",
@@ -76,8 +79,10 @@ __all__ = [
     "SceneError",
     "Skeleton",
     "SlipEvent",
+    "UnstableBranch",
     "__version__",
     "advance",
+    "boundary",
     "certify",
     "explore_map",
     "fit",
@@ -94,12 +99,16 @@ __all__ = [
     "summarize",
     "sweep",
     "toughness",
+    "unstable_branch",
     "whole_surface",
     "work_of",
 ]
 LAZY = {  # {name: module}, imported when first asked for: a run does not need them
     "Axis": "analysis.maps",
+    "Boundary": "analysis.boundary",
     "Map": "analysis.maps",
+    "UnstableBranch": "analysis.unstable",
+    "boundary": "analysis.boundary",
     "explore_map": "analysis.maps",
     "fit": "measured.fit",
     "read_measurement": "measured.curves",
@@ -107,6 +116,7 @@ LAZY = {  # {name: module}, imported when first asked for: a run does not need t
     "release_rates": "analysis.toughness",
     "sensitivities": "analysis.sensitivities",
     "toughness": "analysis.toughness",
+    "unstable_branch": "analysis.unstable",
 }
 
 

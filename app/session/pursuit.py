@@ -270,6 +270,8 @@ class Pursuit:
         made = job.result
         holds = isinstance(made, Certified) and not made.failure
         metrics.count("certified" if holds else "not_certified")
+        if not holds:
+            log.info("a prediction does not hold, so its run is computed: %s", getattr(made, "failure", made))
         if holds:
             run.certify(made.about, made.checked, time.monotonic())
             self.session.send("skeleton", checked=made.checked, body=made.body)

@@ -117,7 +117,7 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
         if name not in allowed:
             raise unknown_name(name, allowed)
     try:
-        return _sensitivities(skeleton, _Differentiator(skeleton, names), branches)
+        return _sensitivities(skeleton, Differentiator(skeleton, names), branches)
     except np.linalg.LinAlgError as failure:
         raise NotFollowed(str(failure)) from None
 
@@ -158,10 +158,10 @@ class _State(NamedTuple):
     T: Floats
 
 
-class _Differentiator:
+class Differentiator:
     """Differentiates states of one Skeleton by parameters; under a held load p_0 depends on them, too."""
 
-    def __init__(self, skeleton, names=None):
+    def __init__(self, skeleton: Any, names: Sequence[str] | None = None) -> None:
         self.scene, self.first = skeleton.scene, skeleton.first
         scene, held = self.scene, skeleton.held
         self.contact = Contact(scene, skeleton.first, skeleton.nodes)

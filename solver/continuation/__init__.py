@@ -10,6 +10,7 @@ rest         whether an equilibrium is stable under the motion; if not, which mo
 inverse      solves with the tangent of an equilibrium; spaces in which modes are looked for
 fold         the end of a branch where its load has a maximum: found near a guess, with both null vectors
 onset        the end of a branch where a mode begins to grow, without a fold
+arc          points along the arc of a branch
 branch       a branch continued to the load asked for, or to its end before that
 motion       time steps of the damped motion
 quasistatic  the stepper that puts these together; gfmd: the stepper that knows nothing but the motion

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .arc import GROWTH, LONG, NEAREST, SHORT, on_chord, point_at
 from .fold import FoldOptions, fold_near
 from .onset import mixed, onset
 from .state import MOVED, PAST, TINY, End, Point, State
@@ -24,17 +25,6 @@ SEARCH = FoldOptions(accuracy=3e-3, products=100, sharper=1e-4)
 # Of the last step, to a fold from its guess. Folds lie within one step of it; searches that went farther found none
 REACH = 2.0
 
-# A "unit" is the problem's `unit`; distances of states are the largest of any unknown.
-# Units: a corrected state farther than this from its prediction may have skipped a short slip, so the increment is
-# repeated by arc length; also the first step of the arc.
-SHORT = 0.1
-LONG = 0.3  # units, longest step of the arc: from longer ones folds of the slider box were passed unseen
-# Largest ratio of a step to the last one. A point farther than this many steps away is rejected: it lies on another
-# branch.
-GROWTH = 3.0
-# units: a point nearer than this to the State at the target is none of its past. From two such points no arc goes on;
-# steps of the arc become no shorter than a tenth of this
-NEAREST = 1e-3
 # Load per arc below which a state is continued by arc length and a fold is looked for a step ahead. At the onset of
 # stick-slip the branch turns back within a tenth of a unit, and larger steps pass that.
 STEEP = 0.3
@@ -92,7 +82,7 @@ class _Arc:
             last = np.abs(points[0].v - points[1].v).max()
             if last == 0.0 or step < 1e-4 * unit:
                 return self._lost()
-            chord, arcs = _on_chord(points)
+            chord, arcs = on_chord(points)
             step = min(step, GROWTH * last)
             point = self._point_at(chord, arcs[0] + (arcs[0] - arcs[1]) * step / last, points)
             if point is None or not np.abs(point.v - points[0].v).max() <= GROWTH * step:
@@ -129,14 +119,7 @@ class _Arc:
         return [Point(*state.past[0]), Point(state.load - back, state.v - back * along)]
 
     def _point_at(self, chord, arc, points):
-        """The Point with <chord, v> = arc, extrapolated from the last three; None where that fails."""
-        points = points[:3]
-        arcs = [dot(chord, v) for _, v in points]
-        if np.abs(np.diff(sorted(arcs))).min() <= 1e-12 * max(map(abs, arcs)):  # to round-off, two points are one
-            return None
-        guess = mixed(lagrange(arcs, arc), points)
-        solution = self.corrector.solve(guess.v, guess.load, self.state.secants, chord, arc)
-        return solution and Point(solution.load, solution.v)
+        return point_at(self.corrector, self.state.secants, chord, arc, points)
 
     def _lost(self):
         """The End "lost": the motion shall start from the state at hand, under the load asked for."""
@@ -158,7 +141,7 @@ class _Arc:
             if last.load == fold:  # the distance from a fold grows as the root of that in load
                 part = 1.0 - (1.0 - part) ** 0.5
             solution = self.corrector.solve(before.v + part * (last.v - before.v), target, self.state.secants)
-            chord, arcs = _on_chord(points)
+            chord, arcs = on_chord(points)
             # more than a tenth of the step beyond the newest point it may be past a fold, on the unstable branch
             furthest = arcs[0] + 0.1 * (arcs[0] - arcs[1]) if fold is None else dot(chord, top)
             if solution and dot(chord, solution.v) <= furthest:
@@ -184,7 +167,7 @@ class _Arc:
         """
         if fold is None or fold.load < self.target:
             return fold
-        chord, _ = _on_chord(points)
+        chord, _ = on_chord(points)
         before = [p for p in points if dot(chord, p.v) < dot(chord, fold.v)]
         return self._at_target([Point(fold.load, fold.v), *before], fold.load)
 
@@ -203,7 +186,7 @@ class _Arc:
     def _fold_between(self, points):
         """The fold between the last two or three of the Points, newest first; None if there is none."""
         last, before = points[:2]
-        chord, arcs = _on_chord(points)
+        chord, arcs = on_chord(points)
         guesses = [_top(arcs, points)] if len(arcs) == 3 else []
         for load, v in [*guesses, mixed((0.5, 0.5), (last, before))]:
             fold = self._fold_near(load, v, last.v - before.v)
@@ -241,18 +224,6 @@ class _Arc:
         if fold is None or fold.load < last.load or (fold.v - last.v) @ step < 0.0:
             return None
         return fold if np.abs(fold.v - last.v).max() <= longest else None
-
-
-def _on_chord(points):
-    """(chord (size,), arcs) of the last three Points, newest first: arc = <chord, v>.
-
-    The chord is the direction of the unknown that moved most in the last step. The direction of all unknowns would not
-    do where one node jumps: far more of them move with the load, and so back beyond the fold.
-    """
-    step = points[0].v - points[1].v
-    chord, most = np.zeros_like(step), int(np.abs(step).argmax())
-    chord[most] = np.sign(step[most])
-    return chord, [dot(chord, v) for _, v in points[:3]]
 
 
 def _top(arcs, points):

@@ -24,10 +24,13 @@ def kernel(function: Callable | None = None, **options: Any) -> Any:
 
     options: further ones of `numba.njit`. Without a writable folder the code is compiled at each start, and one
     sentence is logged.
+
+    What it calls becomes part of it: of the copies that callers would share, the one loaded first would serve all, and
+    copies round in different ways. So the same run gives the same digits in each process.
     """
     if function is None:
         return partial(kernel, **options)
-    return _kept(njit, function, nogil=True, **options)
+    return _kept(njit, function, nogil=True, forceinline=True, **options)
 
 
 @cache

@@ -28,6 +28,7 @@ class FoldOptions:
     sharper: float = inf  # in place of a larger accuracy, once a step has not become shorter
     alike: float = 0.05  # units from where the matrix was formed, within which it serves: steps then gain a digit
     reach: float = 1.5  # units from the guess: beyond, it is another fold
+    least: bool = False  # a minimum of the load in place of a maximum
     products: int = PRODUCTS  # most products of iterative solves with one matrix, before it is factorised
 
 
@@ -84,7 +85,7 @@ def _search(problem, guess, options):
         if matrix is not None and sharp and worst <= problem.tolerance:
             psi = matrix.psi / np.linalg.norm(problem.direction)
             found = End(load, v, phi / np.abs(phi).max(), psi=psi, residual=float(worst))
-            return found if matrix.slopes @ phi > 0.0 else None  # else the load has a minimum there
+            return found if (matrix.slopes @ phi <= 0.0) == options.least else None
         if slow or matrix is None or np.abs(v - matrix.v).max() > options.alike * unit:
             if slow and options.sharper < options.accuracy:
                 options = replace(options, accuracy=options.sharper, products=PRODUCTS)

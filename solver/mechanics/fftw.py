@@ -1,8 +1,9 @@
 """Plans of FFTW that compiled code can execute, by addresses.
 
 This is a private interface: pyFFTW documents neither that its wheels for Linux bring the library in `pyfftw.libs`, nor
-its name. Where it is not found (macOS, Windows, other builds), or if the environment has SOLVER_LOOPS=python, `plans`
-returns None. Then transforms are executed by pyFFTW's own objects, and Python makes the loops.
+its name. Where it is not found (macOS, Windows, other builds), or if the environment has SOLVER_LOOPS=python or
+NUMBA_DISABLE_JIT=1, `plans` returns None. Then transforms are executed by pyFFTW's own objects, and Python makes the
+loops.
 """
 
 import ctypes
@@ -13,6 +14,7 @@ from pathlib import Path
 from threading import RLock
 
 import pyfftw
+from numba import config
 
 from .kernels import respond
 
@@ -80,5 +82,6 @@ def _destroy(library, *made):
 
 def plans(field, spectrum, product) -> Plans | None:
     """The Plans of these arrays, which stay where they are; None where the library is not found."""
-    library = None if os.environ.get("SOLVER_LOOPS") == "python" else _library()
+    off = config.DISABLE_JIT or os.environ.get("SOLVER_LOOPS") == "python"  # type: ignore[attr-defined]
+    library = None if off else _library()
     return library and Plans(library, field, spectrum, product)

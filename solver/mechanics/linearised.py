@@ -37,12 +37,19 @@ class Linearised:
 
     def tangent(self, w) -> np.ndarray:
         """dR/dv w, a new array of w's shape (problem size,), nm; counts as a force evaluation."""
-        pull = self.pull(w)
-        out = self.contact.comply(pull).reshape(-1) - w[: 2 * self.m]
-        if not self.problem.held:
-            return out
-        out[self.m :] += w[-1]
-        return np.append(out, self.problem.scale * self.contact.pressure(pull[1]))
+        out = self.complied(self.pull(w))
+        out[: 2 * self.m] -= w[: 2 * self.m]
+        if self.problem.held:
+            out[self.m : -1] += w[-1]
+        return out
+
+    def complied(self, T) -> np.ndarray:
+        """What tractions T (2, m), GPa, add to R, (problem size,) nm; a new array; counts as a force evaluation."""
+        out = np.empty(self.problem.size)
+        out[: 2 * self.m] = self.contact.comply(T).reshape(-1)
+        if self.problem.held:
+            out[-1] = self.problem.scale * self.contact.pressure(T[1])
+        return out
 
     def transposed(self, w) -> np.ndarray:
         """(dR/dv)^T w, a new array (problem size,); counts as a force evaluation."""
@@ -81,11 +88,17 @@ class Linearised:
 
     def slopes(self, right, left) -> np.ndarray:
         """<left, dR/dv right> differentiated by the unknowns, (problem size,): the change of J along `right`."""
-        way = right[: 2 * self.m].reshape(2, -1)
+        return self.by_unknowns(self.by_traction(left), self.bends(right)[0])
+
+    def bends(self, w, tangents=None) -> tuple[np.ndarray, np.ndarray]:
+        """The first and second derivative of J along the unknowns w (problem size,), (4, m) each.
+
+        tangents: the function from u to J, in place of the contact's.
+        """
+        way, J = w[: 2 * self.m].reshape(2, -1), tangents or self.contact.tangents
         h = 1e-3 * self.surface.problem.unit / max(np.abs(way).max(), TINY)  # its error is the square, round-off 1e-13
-        change = self.contact.tangents(self.u + h * way)
-        change -= self.contact.tangents(self.u - h * way)
-        return self.by_unknowns(self.by_traction(left), change / (2.0 * h))
+        after, before = J(self.u + h * way), J(self.u - h * way)
+        return (after - before) / (2.0 * h), (after - 2.0 * J(self.u) + before) / h**2
 
     @property
     def acting(self) -> np.ndarray:

@@ -38,6 +38,12 @@ def test_a_saved_file_and_a_notebook_name_no_machine_address_or_folder(short, tm
     assert [name for name in own if any(name in each for each in texts)] == []
 
 
+def test_a_played_result_keeps_its_cautions():
+    """They were dropped in silence."""
+    result = simulate(Scene(nodes=64, width=160.0, u_x_max=1.0))  # a steep punch
+    assert result.cautions and Stage(result).status["cautions"] == list(result.cautions)
+
+
 def test_a_title_that_no_file_can_hold_is_refused_with_its_value(short):
     with pytest.raises(ValueError, match=r"title = 'a\\ud800'.*allowed"):
         Stage(short, title="a\ud800")

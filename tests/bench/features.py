@@ -17,7 +17,7 @@ REPEATS = 30
 MEASURE = """
 import gzip, json, statistics, time
 from bokeh.document import Document
-from app import assets, page
+from app import assets, modules, page
 from app.experiment import Experiment, example
 from app.service.jobs import Jobs
 from app.stage import Wire
@@ -26,7 +26,7 @@ class Idle:
     status, in_flight, compiled = "ready", 0, 0
 
 shared = page.shared(example)
-names = {*assets.needed(assets.MAIN, *assets.scripts()), *assets.styles()}
+names = {modules.PAGE, assets.STYLE}
 body = gzip.compress(shared.page_for({}, token="", nonce="").encode(), 1)
 times = []
 for _ in range(%d):

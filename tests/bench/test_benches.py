@@ -9,6 +9,7 @@ import pytest
 HERE = Path(__file__).parent
 SMALLEST = {  # bench: (arguments, what it prints)
     "bench": (["--quick", "--scenes", "1"], "cost per increment grows as"),
+    "boundary": (["--scenes", "1"], "no slip below and a slip above: 1 of 1"),
     "box": (["--every", "120"], "box over default"),
     "certify": (["--moves", "0", "--box", "1", "--rough", "0", "--wrong", "1"], "another E: refused 6 of 6"),
     "constants": (["--only", "MOVED", "--scenes", "1"], "differ x2 0"),

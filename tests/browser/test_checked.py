@@ -33,6 +33,8 @@ def test_a_prediction_at_rest_is_exact_and_has_the_approach(look):
     page.keyboard.press("Home")
     page.wait_for_function("punch.drawn === 0 && punch.approach")
     assert page.evaluate("() => { const { x } = charts.forces.parts.F; return [x[0], x.at(-1)] }") == [-10.0, 0.0]
+    box = page.evaluate("charts.forces.says({ x: -4.6 })")  # beside the mouse; it said 0.0 on the approach
+    assert box[0].startswith("δ = −4.6 nm"), box
     page.keyboard.press("]")
     page.wait_for_function("punch.run.curves.slip[punch.drawn] && punch.drawn > punch.run.sheared")
     k = page.evaluate("punch.drawn")

@@ -32,7 +32,7 @@ def test_scripts_and_styles_load_under_a_prefix_and_are_cached(browser):
         finished(page)
         entries = "performance.getEntriesByType('resource').map(({ name, transferSize }) => [name, transferSize])"
         files = {name: size for name, size in page.evaluate(entries) if "/app/" in name}
-        assert {name.rsplit("/", 1)[1] for name in files} >= {"style.css", "main.js", "index.js"}
+        assert {name.rsplit("/", 1)[1] for name in files} >= {"all.css", "page.js", "opening.js"}
         assert all(re.match(rf"{behind.address}/\w{{16}}/(static|features)/", name) for name in files)
         paid.append({name for name, size in files.items() if size > 0})
         page.close()

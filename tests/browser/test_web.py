@@ -82,7 +82,7 @@ def test_page_explains_a_refused_websocket_and_shows_the_servers_reason(server, 
 
 def test_page_names_a_script_that_failed_before_the_connection(server, page):
     page.clock.install()
-    page.route("**/js/main.js*", lambda route: route.abort())
+    page.route("**/static/page.js*", lambda route: route.abort())
     with page.expect_event("requestfailed"):
         page.goto(server.address)
     page.clock.run_for(11_000)
@@ -90,7 +90,7 @@ def test_page_names_a_script_that_failed_before_the_connection(server, page):
 
 
 def test_a_script_on_demand_that_does_not_arrive_is_reported_with_a_remedy(server, page):
-    page.route("**/tour.js*", lambda route: route.abort())
+    page.route("**/static/later.js*", lambda route: route.abort())
     page.goto(server.address)
     finished(page)
     from_menu(page, "#tour")

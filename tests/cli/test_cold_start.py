@@ -13,6 +13,7 @@ import pytest
 
 import solver
 
+ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import json, pkgutil
 from importlib import import_module
@@ -59,6 +60,16 @@ def test_a_new_worker_counts_the_kernels_it_compiles(tmp_path):
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=cold)
     counts, kernels = run.stdout.rsplit(" ", 1)
     assert json.loads(counts) == [*range(1, int(kernels) + 1)]
+
+
+@pytest.mark.slow
+def test_runs_of_compiled_and_of_loaded_code_are_equal_to_the_last_digit(tmp_path):
+    """The first process compiles what the second one loads; kernels that called shared copies rounded otherwise."""
+    cold = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    command = [sys.executable, "-m", "solver", "run", "--set", "nodes=64", "width=160", "u_x_max=8", "--csv"]
+    for name in "compiled", "loaded":
+        subprocess.run([*command, tmp_path / name], capture_output=True, check=True, env=cold, cwd=ROOT)
+    assert (tmp_path / "compiled").read_text() == (tmp_path / "loaded").read_text()
 
 
 def test_a_run_without_a_writable_folder_computes_and_prints_one_sentence(tmp_path):

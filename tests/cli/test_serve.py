@@ -52,7 +52,7 @@ def test_the_installed_page_is_served_from_a_project_with_modules_of_the_same_na
             log.append(next(lines))
         address = re.search(r"running at: (http://[\w.:/]+)", "".join(log))[1]
         page = urllib.request.urlopen(address, timeout=60).read().decode()
-    assert address.endswith("/lab/app") and "main.js" in page
+    assert address.endswith("/lab/app") and "page.js" in page
     assert "of the folder" not in "".join(log)
 
 

@@ -55,7 +55,7 @@ def test_the_wheel_computes_and_serves_from_an_empty_folder(installed, tmp_path)
         while page is None and time.monotonic() < end and server.poll() is None:
             with suppress(urllib.error.URLError, ConnectionError):
                 page = urllib.request.urlopen(f"http://localhost:{port}/app", timeout=30).read()
-        assert page is not None and b"main.js" in page
+        assert page is not None and b"page.js" in page
     finally:
         server.terminate()
         server.wait(30)

@@ -57,9 +57,8 @@ class Tabs:
 MODULES = """(names) => {
     window.modules ??= {}
     const key = (name) => name.replace(/[/]index$/, "").split("/").at(-1)
-    const style = document.querySelector('link[href$="static/style.css"]').href
     for (const name of names) {
-        const script = import(new URL(name.includes("/") ? `../${name}.js` : `./js/${name}.js`, style))
+        const script = document.documentElement.module(name.includes("/") ? `${name}.js` : `static/js/${name}.js`)
         script.then((module) => { modules[key(name)] = module })
     }
     return names.every((name) => key(name) in modules)

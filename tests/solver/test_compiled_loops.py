@@ -1,6 +1,9 @@
 """Loops that call FFTW by address: the same results as by pyFFTW, also of several contacts, threads and processes."""
 
 import multiprocessing
+import os
+import subprocess
+import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -149,3 +152,14 @@ def test_the_exponential_of_the_kernels_is_that_of_numpy():
     x = np.concatenate((np.linspace(-708.0, 708.0, 20_001), np.linspace(-1.0, 1.0, 20_001), [0.0]))
     assert np.array([_exp(one) for one in x]) == pytest.approx(np.exp(x), rel=4.5e-16, abs=0.0)
     assert np.isnan(_exp(np.nan))
+
+
+def test_without_compiled_code_python_makes_the_loops():
+    """As a debugger needs it: NUMBA_DISABLE_JIT=1 ended in an error of Numba about an intrinsic."""
+    code = (
+        "from solver import Scene, simulate; print(simulate(Scene(nodes=16, width=40.0, u_x_max=0.5)).failure or 'ran')"
+    )
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    command = [sys.executable, "-c", code]
+    shown = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True, env=environment)
+    assert shown.stdout.strip() == "ran"

@@ -15,6 +15,7 @@ from app.features.lab.feature import TEXT, back, slider_name
 from app.features.lab.tasks import tried
 from app.service.caller import Lost
 from app.service.jobs import jobs
+from app.service.pool import EXACT
 from app.session.controls import CONTROLS, RANGES, changed_scene
 from solver import Scene
 from solver.live_plots import Curve, chart, draw
@@ -117,17 +118,26 @@ class LabPage(param.Parameterized):
         return await jobs.result(tried, function, *arguments, owner=id(self), **how)
 
     async def run(self, task: Callable[[Scene], Any], scenes: Iterable[Scene]) -> None:
-        """Set `found` to {scene: task(scene)} as results come; `text` names the scenes without one."""
-        found, failed, drawn, scenes = {}, [], 0.0, list(scenes)
-        for done, scene in enumerate(scenes, 1):
+        """Set `found` to {scene: task(scene)} as results come; `text` names the scenes without one.
+
+        The scenes are computed by all workers that are free, so that somebody who drags waits for one of them at most.
+        """
+        found, failed, drawn, scenes = {}, {}, 0.0, list(dict.fromkeys(scenes))
+
+        async def compute(scene):
             try:
-                found[scene] = await self.call(task, scene)
+                found[scene] = await self.call(task, scene, rank=EXACT)
             except (Lost, ValueError) as error:
-                failed.append(f"{scene}: {error}.")
-            self.share = done / len(scenes)
-            if monotonic() > drawn + APART or done == len(scenes):
-                self.found, drawn = dict(found), monotonic()
-        self.text = " ".join(failed)
+                failed[scene] = f"{scene}: {error}."
+
+        async with asyncio.TaskGroup() as group:  # which ends the others where this is cancelled
+            tasks = [group.create_task(compute(scene)) for scene in scenes]
+            for done, finished in enumerate(asyncio.as_completed(tasks), 1):
+                await finished
+                self.share = done / len(scenes)
+                if monotonic() > drawn + APART or done == len(scenes):
+                    self.found, drawn = {scene: found[scene] for scene in scenes if scene in found}, monotonic()
+        self.text = " ".join(failed[scene] for scene in scenes if scene in failed)
 
     def show(self, scene: Scene) -> None:
         """Go to another scene."""

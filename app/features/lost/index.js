@@ -31,7 +31,7 @@ async function look() {
 }
 
 async function answers() {
-  const address = one('link[href*="/static/style.css"]').href
+  const address = one('link[href*="/static/all.css"]').href
   try {
     return (await fetch(address, { method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(PATIENCE) })).ok
   } catch {

@@ -55,12 +55,18 @@ function connectMouse(view) {
 
 export function receive(news) {
   if (!map && news.map) choose(news.map)
-  map = news.map ?? null
+  map = news.map ? unpacked(news.map) : null
   if (map) draw()
   else for (const part of ["map", "outline"]) charts.regimes_map.fill(part, { ...none, picture: null })
   const [i, j] = news.own ?? []
   charts.regimes_map.fill("own", map && news.own ? { x: [i], y: [j] } : none)
 }
+
+// See `_map` of page.py
+const unpacked = ({ values, codes, outline, ...others }) => ({
+  ...others, values: new Float32Array(values), codes: new Int8Array(codes),
+  outline: Array.from(new Int16Array(outline), (half) => half / 2),
+})
 
 // The choices are those of a page that has just been opened
 function choose({ axes, of: [of] }) {
@@ -71,14 +77,15 @@ function choose({ axes, of: [of] }) {
 
 function draw() {
   const chart = charts.regimes_map, [x, y] = map.axes, columns = x.values.length, rows = y.values.length
-  const values = map.values.map((value) => value ?? NaN)
+  const { values, outline } = map
   chart.range("x", { start: -0.5, end: columns - 0.5, ticks: x.ticks })
   chart.range("y", { start: -0.5, end: rows - 0.5, ticks: y.ticks })
   chart.across = x.label
   chart.up = y.label
   const picture = pictureOf(values, [rows, columns], levels(...map.limits))
   chart.fill("map", { picture, values, rows, columns, x: -0.5, y: -0.5, wide: columns, high: rows })
-  const ends = (side) => map.outline.flatMap((of) => [of[side], of[side + 2], NaN])
+  const starts = [...outline.keys()].filter((k) => k % 4 === 0)
+  const ends = (side) => starts.flatMap((k) => [outline[k + side], outline[k + side + 2], NaN])
   chart.fill("outline", { x: ends(0), y: ends(1) })
 }
 

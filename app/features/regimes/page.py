@@ -45,6 +45,7 @@ QUANTITIES = {  # of a Point: label and unit
 # Pickled Skeletons by Scene, for all visitors: 200 MB. Without one nearby, a point of a map needs a full run
 skeletons = Cache(200e6)
 metrics.gauge("skeletons_bytes", "bytes of the states of maps in the cache", lambda: skeletons.currsize)
+MORE = 0.1  # of the points that are drawn, after which a map is drawn again
 MARGIN = 2.0  # least distance of a regime's name from the edges, columns or rows
 MOST = (2.0, 98.0)  # percentiles of the values at the limits of the colours
 LETTER, LINE = 0.55, 2.5  # width of a letter in columns and height of a line in rows, on the narrowest map
@@ -59,6 +60,7 @@ class Page(Sheet):
         self.grid, self.known = None, {}  # {(i, j): (Point, Scene of its cached Skeleton or None)}
         self.left = []  # (i, j) not requested yet, the next one last
         self.asking = False
+        self.drawn = 0  # known points of the last picture
 
     def scene_changed(self) -> None:
         """Start another map only if a parameter that is not on its axes changed."""
@@ -115,7 +117,7 @@ class Page(Sheet):
 
     def _begin(self, grid):
         self.sweep.cancel()
-        self.grid, self.known = grid, {}
+        self.grid, self.known, self.drawn = grid, {}, 0
         self._ask_anew()
 
     def _ask_anew(self):
@@ -145,7 +147,7 @@ class Page(Sheet):
         self.known[point.i, point.j] = point, skeleton and task.scene_there()
         if not self.asking:
             self._ask()
-            if len(self.known) % AT_ONCE == 0 or not self.sweep.waiting:
+            if len(self.known) >= self.drawn + max(AT_ONCE, MORE * self.drawn) or not self.sweep.waiting:
                 self._draw()
 
     # drawing
@@ -154,6 +156,7 @@ class Page(Sheet):
         if self.grid is None:
             return
         points = [point for point, _ in self.known.values()]
+        self.drawn = len(points)
         codes = self.grid.array(points, "regime")
         image = self.grid.array(points, self.of)
         if points:  # unknown points take the value of the nearest known one
@@ -189,15 +192,18 @@ class Page(Sheet):
         self.publish(own=self._place_of(self.session.scene))
 
     def _map(self, image, ends, codes):
-        """Return what the browser draws, over numbers of columns and rows, as axes may be logarithmic."""
+        """Return what the browser draws, over numbers of columns and rows, as axes may be logarithmic.
+
+        In bytes: float32 values and int8 codes, row by row, and lines as int16 half columns and rows.
+        """
         return {
             "axes": [_axis(axis) for axis in (self.grid.x, self.grid.y)],
-            "values": [value if np.isfinite(value) else None for value in image.ravel().tolist()],
+            "values": image.astype("<f4").tobytes(),
             "limits": (ends[0], max(ends[1], ends[0] + 1e-9)),
             "of": (self.of, *QUANTITIES[self.of]),
-            "codes": codes.ravel().tolist(),
+            "codes": codes.astype("i1").tobytes(),
             "kinds": REGIMES,  # by code; -1: none
-            "outline": outlines(codes),
+            "outline": np.rint(2.0 * np.array(outlines(codes))).astype("<i2").tobytes(),
             "names": labels(codes),
         }
 

@@ -14,14 +14,15 @@ const nm = (length) => `${fixed(length, Math.abs(length) < 99.95 ? 1 : 0)} nm`
 const tell = (key, text) => ({ key, text })
 
 const HOLD = 2500 // ms for which a sentence stays while a run plays or follows a slider
+const LEAP = 50 // increments, more than between two pictures: the place was changed
 const EVENT = /^(slip|in|off|part) / // keys of sentences about a slip or a jump
 
 // The next sentence {key, text, k, since, run}: the one on screen, or the one that is true now. While frames follow
 // each other quickly a sentence stays for some time, so that it can be read; but a slip ends it, as does another
-// beginning or another run. While a slider is held (dragging) runs follow each other as frames do
+// place or another run. While a slider is held (dragging) runs follow each other as frames do
 export function saidNext(before, next, { moving, k, time, run, dragging }) {
   const another = run !== before.run, same = next.key === before.key
-  const ends = k < before.k || (another && !dragging) || (EVENT.test(next.key) && !same)
+  const ends = k < before.k || k > before.k + LEAP || (another && !dragging) || (EVENT.test(next.key) && !same)
   const stays = moving && !ends && time - before.since < HOLD
   if (next.text === before.text || (moving && same && !another) || stays) return { ...before, k, run }
   return { ...next, k, since: time, run }

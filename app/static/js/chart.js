@@ -5,6 +5,7 @@ import { minus } from "./quantities.js"
 import { cleared, font, within } from "./pen.js"
 
 const LEFT = 76, RIGHT = 14, TOP = 6, BOTTOM = 4 // beside the frame: the same in all charts, so that axes line up
+const WIDE = 3.6 // sizes of a letter that numbers and name of the upright axis take
 const LARGE = 15, THICK = 2.5 // text larger than that is for a projector: then lines are so many times as thick
 const TICK = 5, NEAR = 12 // of a tick; from the mouse to a text about what it points at
 const ACROSS = 4.2, DOWN = 2.6 // sizes of the text, from one number of an axis to the next, at least
@@ -179,11 +180,12 @@ export class Chart {
   get box() {
     const [wide, high] = sizeOf(this.view), size = textSize(), { x, y } = this
     const under = this.axis ? TICK + 2.6 * size + 8 : BOTTOM
-    const width = wide - LEFT - (size > LARGE ? 34 : RIGHT), height = high - TOP - under
+    const left = Math.max(LEFT, WIDE * size) // room for the numbers of a projector, too
+    const width = wide - left - (size > LARGE ? 34 : RIGHT), height = high - TOP - under
     if (!(width > 0 && height > 0)) return null
     const across = width / (x.end - x.start), up = height / (y.end - y.start) // px of a unit
-    return { left: LEFT, top: TOP, width, height, across, up,
-      X: (at) => LEFT + (at - x.start) * across, Y: (at) => TOP + (y.end - at) * up }
+    return { left, top: TOP, width, height, across, up,
+      X: (at) => left + (at - x.start) * across, Y: (at) => TOP + (y.end - at) * up }
   }
 
   // The place in the chart of a place in the canvas, px

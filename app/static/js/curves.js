@@ -125,7 +125,9 @@ export const where = (x) => `${AXES[abscissaNamed][0]} = ${fixed(x, 1)} nm`
 const at = (x) => (me.run?.sheared >= 0 ? me.run.nearest(x, me.at) : null)
 const says = (names) => ({ x }) => {
   const k = at(x)
-  return k === null ? null : [where(me.run.along[k]), ...names.map((name) => named(name, me.run.values(k)[name]))]
+  if (k === null) return null
+  const values = me.run.values(k), { abscissa } = me.run.part(me.run.approaching(k))
+  return [where(values[abscissa]), ...names.map((name) => named(name, values[name]))]
 }
 export function connectCurves() {
   charts.forces.says = says(["F", "L"])

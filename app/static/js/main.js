@@ -45,10 +45,9 @@ export function start() {
   plugIn(declared.features)
 }
 
-// Connect features in their order; the page goes on without one that fails. Addresses are relative to the page
+// Connect features in their order; the page goes on without one that fails
 async function plugIn(names) {
-  const importing = names.map((name) =>
-    import(name.startsWith(".") ? new URL(name, document.baseURI).href : name).catch(reportError))
+  const importing = names.map((name) => import(name).catch(reportError))
   for (const feature of importing) {
     try {
       (await feature)?.connect()

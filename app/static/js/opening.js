@@ -1,7 +1,7 @@
 // Whether the page gets its connection: the server may refuse it after it has sent the page. Loaded before Bokeh.
 
-import { by, on } from "./dom.js"
-
+export const root = document.documentElement // as in dom.js, which comes later
+const by = (id) => root.querySelector(`#${id}`)
 const PATIENCE = 10_000 // ms until the visitor reads why there is nothing yet
 
 const faults = [] // of scripts, and of files that a script needs
@@ -32,7 +32,7 @@ export function opened() {
 // A line at the top of the page; retry is what its button does from now on
 let tryNow = null
 export function warn(title, text, retry) {
-  if (!tryNow) on("retry", "click", () => tryNow())
+  if (!tryNow) by("retry").addEventListener("click", () => tryNow())
   tryNow = retry
   const [name, reason] = by("lost").children
   name.textContent = title

@@ -112,6 +112,12 @@ function paint() {
   painting = false
 }
 
+// Draw what waits at once, as before the page is printed
+export function drawNow() {
+  runViews()
+  paint()
+}
+
 function drawAll(list) {
   for (const watcher of list) {
     if (!watcher.due) continue

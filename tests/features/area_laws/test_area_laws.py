@@ -52,6 +52,36 @@ def test_a_run_without_an_equilibrium_is_named_and_the_others_are_shown(monkeypa
     assert page.found == {shown: "an onset"} and page.text == f"{lost}: no equilibrium; raise E."
 
 
+def test_scenes_are_computed_at_the_same_time_and_end_together_when_cancelled(monkeypatch):
+    """They were computed one after another: one worker was busy, however many there are."""
+    page, scenes = area_laws.AreaLaws(SMALL), [SMALL.changed(u_x_max=13.0 + k) for k in range(3)]
+    computed, ended = [], []
+
+    async def main():
+        all_there = asyncio.Event()
+
+        async def result(tried, task, scene, **how):
+            computed.append(scene)
+            if len(computed) == len(scenes):
+                all_there.set()
+            try:
+                await asyncio.wait_for(all_there.wait(), 60)
+                await asyncio.sleep(0 if scene != scenes[2] else 3600)
+            finally:
+                ended.append(scene)
+            return "an onset"
+
+        monkeypatch.setattr(base.jobs, "result", result)
+        running = asyncio.ensure_future(page.run(tasks.onset_of, scenes))
+        while page.share != 2 / 3:
+            await asyncio.sleep(0)
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+
+    asyncio.run(main())
+    assert computed == scenes and sorted(ended, key=scenes.index) == scenes
+
+
 def test_charts_follow_results_and_one_without_data_has_a_range(monkeypatch):
     """Bokeh warns of axes whose range no curve determines."""
     page = area_laws.AreaLaws(SMALL)

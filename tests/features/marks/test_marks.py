@@ -14,7 +14,7 @@ from solver.analysis import marks
 from solver.analysis.friction_laws import critical_modulus
 from solver.presets import preset
 
-OFF = 1.1  # a factor: within it slips begin or end, as the mark is extrapolated over up to CLOSE of its value
+OFF = 1.003  # a factor: so far from a mark, runs slip on one side only
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +62,11 @@ def test_a_punch_slips_on_one_side_of_its_mark_only(default, name, said, above):
     assert slips(Scene(**{name: value / OFF})) is not above
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
-def test_marks_do_not_depend_on_the_slider_position_of_the_search(default):
-    near = found(skeleton_of(Scene(E=2500.0)), "E")
-    assert near["slides smoothly"] == pytest.approx(found(default, "E")["slides smoothly"], rel=0.05)
+@pytest.mark.parametrize("E", [20.0, 2500.0, 3000.0])
+def test_marks_do_not_depend_on_the_slider_position_of_the_search(default, E):
+    """At 3000 GPa the punch slides smoothly; at 20 GPa the search begins at a stiffer layer."""
+    near = found(skeleton_of(Scene(E=E)), "E")
+    assert near["slides smoothly"] == pytest.approx(found(default, "E")["slides smoothly"], rel=1e-6)
 
 
 @pytest.mark.once
@@ -83,15 +83,10 @@ def test_indentation_marks_match_zero_load_and_the_jump_into_contact(start):
     assert at["jumps in"] * scene.delta_0 == pytest.approx(jump.load, abs=1e-3)
 
 
-@pytest.mark.slow
-def test_slips_that_end_between_two_steps_leave_no_mark():
-    """Its slips end between two search steps: no further slip has a size to extrapolate."""
+def test_sliders_have_no_mark_where_no_cusp_is_found_or_it_lies_beyond():
+    """Under this tension slips end as the contact is lost; the other punch slips at 3000 GPa, too."""
     assert found(skeleton_of(Scene(delta_bar=-0.41)), "E") == {}
-
-
-def test_sliders_have_no_mark_if_the_limit_is_not_reached(default, monkeypatch):
-    monkeypatch.setattr(marks, "ENOUGH", 500)
-    assert found(default, "E") == found(default, "phi_ratio") == {}
+    assert found(skeleton_of(Scene(E=40.0, phi_ratio=1.2, delta_bar=0.7)), "E") == {}
     assert mark_calls(preset("unload").scene, None) == {}  # a path that is not followed
 
 

@@ -374,6 +374,20 @@ def test_a_friction_that_vanishes_has_no_range_of_zero(tab):
     assert tab.evaluate("swing({ low: -71.4, high: 71.4 })") == "by ±71.4 N/m"
 
 
+LEAP = """async ({ now }) => {
+    const { saidNext } = await import("http://scripts/features/sentence/sentence.js")
+    const run = await runOf(now), before = { key: "near", text: "nothing is pressed together yet", k: 3, since: 0, run }
+    const next = { key: "stick", text: "It sticks." }
+    return [5, 200].map((k) => saidNext(before, next, { moving: true, k, time: 100, run }).text)
+}"""
+
+
+def test_a_sentence_does_not_stay_where_the_picture_jumps_to_another_place(tab):
+    """It said for 2.5 s that nothing is pressed together, over a contact of 206 nm."""
+    said = tab.evaluate(LEAP, {"now": whole(Scene(u_x_max=25.0)).blocks})
+    assert said == ["nothing is pressed together yet", "It sticks."]
+
+
 LOOPS = """async ({ now, speed, loops }) => {
     const { phaseSentence, saidNext } = await import("http://scripts/features/sentence/sentence.js")
     const run = await runOf(now), seen = [], MS = 20

@@ -1,0 +1,47 @@
+"""The unstable branches of a visitor's run, without a browser."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from visitor import messages, order
+
+from app.features.between import tasks
+from solver import Scene, skeleton_of, unstable_branch
+
+SCENE = Scene(phi_ratio=0.03, u_x_max=8.0)
+
+
+@pytest.fixture(scope="module")
+def skeleton():
+    return skeleton_of(SCENE)
+
+
+def test_every_slip_has_its_branch_in_newtons_per_metre(skeleton):
+    branches, why = tasks.branches(skeleton)
+    assert len(branches) == len(skeleton.slips) and "next fold" in why
+    for slip, branch in zip(skeleton.slips, branches, strict=True):
+        assert branch["U_x"][0] == pytest.approx(slip.load, rel=1e-5)
+        assert branch["F"][0] == pytest.approx(slip.F_bar * SCENE.width * SCENE.E, rel=1e-4)
+    last = unstable_branch(skeleton, len(branches) - 1)
+    np.testing.assert_allclose(branches[-1]["A"], last.A_bar * SCENE.width, rtol=1e-5, atol=1e-9)
+
+
+def test_a_smooth_run_says_that_it_has_no_slips():
+    assert tasks.branches(skeleton_of(Scene(phi_ratio=0.01))) == ([], "This run has no slips.")
+
+
+def test_branches_are_computed_only_while_they_are_shown_and_go_with_their_scene(session, skeleton):
+    made = session.features["between"]
+    made.ended(SimpleNamespace(scene=SCENE), skeleton)
+    assert not made.waiting
+    sent = messages(session)
+    order(session, "unstable", shown=True)
+    (call,) = made.waiting
+    made._answered(call, call[0](*call[1:]))
+    assert len(sent[-1]["list"]) == len(skeleton.slips)
+    made.requested(Scene())
+    assert sent[-1]["list"] == [] and not made.waiting
+    made.ended(SimpleNamespace(scene=SCENE), skeleton)
+    order(session, "unstable", shown=False)
+    assert not made.waiting
