@@ -51,6 +51,14 @@ class Measured(Protocol):
     def virgin(self) -> bool: ...
 
 
+class NoStage(ValueError):
+    """The run has no stage like a segment of the curve; path: a parameter `path` whose runs have one."""
+
+    def __init__(self, reason: str, path: str) -> None:
+        super().__init__(f"{reason}; compute it with path={path!r}")
+        self.path = path
+
+
 class Comparison(NamedTuple):
     """rows: (segment, x, quantity, measured, computed) of every point, x as computed, both in the unit of the run.
 
@@ -139,11 +147,10 @@ def _curve(measured, result, k):
     frames = _stage(measured, segments, result, k)
     if len(frames) < 2:
         reason = f"the run has no stage for the segment {segments[k].name!r} of a curve of kind {kind!r}"
-        path = {"load": "unload", "loop": "loop"}.get(kind, "shear")
-        raise ValueError(f"{reason}; compute it with path={path!r}")
+        raise NoStage(reason, {"load": "unload", "loop": "loop"}.get(kind, "shear"))
     over = measured.over
     columns = {name: np.array([getattr(f, name) for f in frames]) for name in {over, *segments[k].values}}
-    columns = {name: y / _unit(measured.units.get(name, "nm"), result) for name, y in columns.items()}
+    columns = {name: y / unit_in(measured.units.get(name, "nm"), result) for name, y in columns.items()}
     order = np.argsort(columns[over], kind="stable")
     return columns[over][order], {name: y[order] for name, y in columns.items()}
 
@@ -170,8 +177,8 @@ def _stage(measured, segments, result, k):
     return same[-1] if same else []
 
 
-def _unit(unit, result):
-    """What numbers of a run are divided by to have that unit."""
+def unit_in(unit: str, result: Computed) -> float:
+    """What numbers of a run, in N/m and nm, are divided by to have a unit of a curve."""
     scene, first = result.scene, result.first_slip
     if unit == "F_s":
         return first.F_s if first else max(abs(frame.F) for frame in result.frames)

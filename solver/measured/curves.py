@@ -15,7 +15,7 @@ from ..text import counted
 from .columns import Given, asked, called, checked, for_user, given, not_used, recognised
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
-from .tables import SHOWN, Source, listed, read_table
+from .tables import SHOWN, Block, Source, listed, read_table
 from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor
 
 NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A; U_x and A"
@@ -68,7 +68,7 @@ MOST_SAID = 100
 
 def read_measurement(
     scene: Scene,
-    source: Source,
+    source: Source | Block,
     speed: float | None = None,
     force: float | None = None,
     kind: str | None = None,
@@ -85,7 +85,8 @@ def read_measurement(
     `stage` names the segments; one stage of shear is a friction curve. L counts beside F, and L_bar beside F_bar.
 
     Parameters: scene: gives w E and w, over which forces in N/m and areas in nm are taken; source: a path, or the
-    content of a file: text with line breaks, bytes, or an open file. kind: one of KINDS, where columns do not tell.
+    content of a file: text with line breaks, bytes, or an open file; or a Block of `read_table`. kind: one of KINDS,
+    where columns do not tell.
     columns: {"U_x", "delta", "time", "F", "L", "A": name or number of a column, None for none}. units: {the same:
     unit}, also "0.5 nN" for what 1 in the file is. sign: {"L": -1} turns a column. part: only from .. to, nm of U_x
     or delta, or in the unit of a force. deflection: stiffness of the lever, N/m: L over it is taken off delta.
@@ -112,7 +113,8 @@ def read_measurement(
     try:
         if kind is not None and kind not in KINDS:
             raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
-        return _Reader(scene, read_table(source, NEEDED, channel), SimpleNamespace(**options)).read()
+        block = source if isinstance(source, Block) else read_table(source, NEEDED, channel)
+        return _Reader(scene, block, SimpleNamespace(**options)).read()
     except DataError as error:
         raise for_user(error, "read_measurement(scene, ", source, options) from None
 
@@ -172,14 +174,14 @@ class _Reader:
 
     def _take(self, kind, over, value):
         """Sets `of` and `role`: the columns of a curve of that kind, L and A beside a friction force among them."""
-        self.role = {_quantity(over, kind): over, _quantity(value, kind): value}
+        self.role = {quantity_of(over, kind): over, quantity_of(value, kind): value}
         if kind == "friction":
             own, other = ("L_bar", "L") if value == "F_bar" else ("L", "L_bar")
             if other in self.known and own not in self.known:
                 self.notes.append(
                     f"{other} is left out beside {value.replace('force', 'F')}; give {own}: w E may be free."
                 )
-            self.role |= {_quantity(role, kind): role for role in (own, *reversed(AREAS)) if role in self.known}
+            self.role |= {quantity_of(role, kind): role for role in (own, *reversed(AREAS)) if role in self.known}
         self.of = {name: self.known[role] for name, role in self.role.items()}
         for name, k in self.of.items():  # a column that is named may be a height all the same
             if name == "delta" and self.own.get(k) in ("height", "position"):
@@ -467,7 +469,7 @@ def _said(above):
     return dict(pairs[:MOST_SAID])
 
 
-def _quantity(role, kind):
+def quantity_of(role: str, kind: str) -> str:
     """What a column of that role is in a curve of that kind."""
     if role in ("height", "position") or (role in ("displacement", "U_x") and kind == "load"):
         return "delta"

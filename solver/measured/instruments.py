@@ -89,7 +89,7 @@ def _channel(reader: Any, wanted: str | int | None) -> int:
         return 0
     listed = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
     if wanted is None:
-        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...})
+        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=names)
     at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
     if not 0 <= at < len(names):
         raise DataError(f"channel = {wanted!r}: allowed: {listed}; give one of these")

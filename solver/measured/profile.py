@@ -14,7 +14,7 @@ from ..text import counted
 from .columns import Given, asked, checked, for_user, given, not_used, recognised
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
-from .tables import SHOWN, Source, content_of, listed, read_table
+from .tables import SHOWN, Block, Source, content_of, listed, read_table
 from .units import ALLOWED, factor, mentioned, units_above
 from .units import LENGTHS as NM
 
@@ -74,7 +74,7 @@ class SteepError(DataError):
     cut_off: float | None = None
 
 
-def read_trace(source: Source, **how: Any) -> Trace:
+def read_trace(source: Source | Block, **how: Any) -> Trace:
     """Reads the points of a profile as `read_profile` does, without changing any, to be looked at; raises DataError.
 
     how: `unit`, `units`, `columns`, `line` and `channel` of `read_profile`.
@@ -84,7 +84,7 @@ def read_trace(source: Source, **how: Any) -> Trace:
 
 
 def read_profile(
-    source: Source,
+    source: Source | Block,
     width: float | None = None,
     periodic: bool | None = None,
     unit: str | None = None,
@@ -97,7 +97,8 @@ def read_profile(
 ) -> Profile:
     """Reads a measured profile from a table of x and z, or from the file of an instrument.
 
-    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file.
+    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; or a Block of
+    `read_table`.
     columns: {"x": ..., "z": ...}, each the name of a column or its number from 1 on, where names do not tell. units:
     {"x": "um", "z": "nm"}, also "0.5 um"; unit: one for both. The file's own units need none.
     width: use only the middle part of this width, nm. part: use only that from .. to, nm from the first point. Of more
@@ -173,6 +174,8 @@ def _with_cut_off(error, points, periodic, width):
 
 def _points(source, how):
     """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
+    if isinstance(source, Block):
+        return _of_table(source, how)
     content = content_of(source)
     raw = content.replace("\0", "?").encode(errors="replace") if isinstance(content, str) else content
     if is_instruments(raw):
@@ -180,7 +183,11 @@ def _points(source, how):
     if how.line is not None:
         raise DataError(f"line = {how.line!r}: allowed with a map of heights only; leave it out")
     # without a line break, a text would be a path
-    block = read_table(content if isinstance(content, bytes) else StringIO(content), NEEDED, how.channel)
+    return _of_table(read_table(content if isinstance(content, bytes) else StringIO(content), NEEDED, how.channel), how)
+
+
+def _of_table(block, how):
+    """As `_points`, of a Block."""
     x_z = _x_and_z(block.table, how)
     units = _units(block.table, x_z, how)
     x, z = (block.numbers(role, x_z[role]) * factor(units[role]) for role in "xz")

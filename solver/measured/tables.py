@@ -198,8 +198,9 @@ def _chosen(ranges, names, channel):
             raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table; give one")
         return [long[channel - 1]], []
     if len(long) > 1 and not all(names[k] for k in long):
-        begin = ", ".join(str(ranges[k][0] + 1) for k in long[:6])
-        raise DataError(f"{len(long)} tables, which begin at lines {begin}", call={"channel": ...})
+        begin = [str(ranges[k][0] + 1) for k in long]
+        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}"
+        raise DataError(reason, call={"channel": ...}, choices=[f"table from line {line}" for line in begin])
     best = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
     return best, [k for k in range(len(ranges)) if k > best[-1]]
 

@@ -48,8 +48,10 @@ def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content
 
 
 def test_the_page_fit_reads_the_curve_over_the_run_of_the_experiment_or_asks_for_the_file(monkeypatch):
-    curve = SimpleNamespace(kept={"key": (b"U_x (nm),F (N/m)\n" + ROWS, None, None)}.get)
-    monkeypatch.setattr(interface, "classes", lambda: {"curve": curve})
+    curve = SimpleNamespace(
+        kept={"key": (b"U_x (nm),Force\n" + ROWS, {"columns": {"F": 2}, "units": {"F": "N/m"}})}.get
+    )
+    monkeypatch.setattr(interface, "classes", lambda: {"files": curve})
     for key, said in (("key", "19 points"), ("gone", "Choose the file again")):
         page = fit.Fit(SMALL)
         page.key = key
