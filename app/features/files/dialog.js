@@ -5,13 +5,13 @@ import { order, take } from "../../static/js/channel.js"
 import { by, focused, make, makeButton, makeShape, on, one, say, tell } from "../../static/js/dom.js"
 import { digits } from "../../static/js/quantities.js"
 import { me } from "../../static/js/store.js"
-import { lay } from "./laid.js"
+import { lay, prepare } from "./laid.js"
 
 const PIECE = 2 ** 19, LARGEST = 20e6 // bytes
 const WIDE = 300, HIGH = 100, STEPS = 10_000 // of the drawing; of its handles
 const NAMES = { x: "x", z: "z", U_x: "Uₓ", F: "F", L: "L", A: "A", delta: "δ", time: "time" }
-const SIGNS = [["", "sign as read"], ["1", "sign as in the file"], ["-1", "sign turned"]]
-const OTHER = "other"
+const SIGNS = [["", "sign as read"], ["1", "1: as in the file"], ["-1", "−1: turned"]]
+const OTHER = "other", FIELDS = ["line", "speed", "deflection", "cut_off"]
 let file = null, turn = 0 // what is read; counts questions to the server, so that late answers are dropped
 let chosen = {}, seen = {} // fields of tasks.Chosen; what the server said last
 let other = null // the column whose unit is being written
@@ -107,14 +107,15 @@ function show(given) {
   by("file-channel").parentNode.hidden = !channels
   fill(by("file-length"), ["", ...(lengths ?? [])].map((unit) => [unit, unit || "choose …"]), chosen.units?.x)
   by("file-length").parentNode.hidden = !lengths
-  for (const field of ["speed", "deflection", "cut_off"]) {
+  for (const field of FIELDS) {
     by(`file-${field}`).parentNode.hidden = !fields[field]
     by(`file-${field}`).previousSibling.data = `${fields[field] ?? ""} `
   }
   by("file-smooth").hidden = !seen.cut_off
   tell(by("file-smooth"), seen.cut_off ? `Remove waves shorter than ${seen.cut_off} nm` : "")
   tell(by("file-says"), seen.says ? `${seen.says}.` : "")
-  say("file-why", seen.why ? `${seen.why.replace(/^[a-z](?=[a-z])/, (letter) => letter.toUpperCase())}.` : "")
+  say("file-why", seen.why ? `${seen.why.replace(/^[a-z](?=[a-z])/, (letter) => letter.toUpperCase())}.`.replace("?.", "?")
+    : "")
   by("file-use").disabled = !seen.says
   showTable()
   showDrawing()
@@ -221,7 +222,8 @@ function choosePart() {
 
 function enter(field, { value }) {
   const number = Number(value.replace(",", "."))
-  if (!value.trim() || number > 0) return choose({ [field]: number || null })
+  if (field === "line" || !value.trim()) return choose({ [field]: value.trim() || null })
+  if (number > 0) return choose({ [field]: number })
   return say("file-why", `${value} is not allowed: give a number above 0.`)
 }
 
@@ -229,10 +231,11 @@ const labelled = (text, made, ...more) => make("label", { hidden: true }, `${tex
 const handle = (end) => labelled(end, make("input", { type: "range", id: `file-${end}`,
   "aria-label": `part ${end}`, min: 0, max: STEPS,
   oninput: showPart, onchange: choosePart }), make("output"))
-const number = (field) => labelled("", make("input", { id: `file-${field}`, inputMode: "decimal", size: 8,
+const entryOf = (field) => labelled("", make("input", { id: `file-${field}`, inputMode: "decimal", size: 8,
   onchange: ({ target }) => enter(field, target) }))
 
 function connect() {
+  prepare()
   one(".page").append(make("dialog", { id: "file-of", className: "large", "aria-labelledby": "file-title" },
     make("div", { className: "top" }, make("h2", { id: "file-title" }),
       makeButton({ onclick: () => by("file-of").close() }, "Close")),
@@ -245,7 +248,7 @@ function connect() {
         onchange: ({ target }) => choose({ channel: Number(target.value) || null, columns: null, part: null }) })),
       labelled("unit of lengths", make("select", { id: "file-length",
         onchange: ({ target }) => choose({ units: { x: target.value } }) })),
-      ...["speed", "deflection", "cut_off"].map(number)),
+      ...FIELDS.map(entryOf)),
     make("div", { id: "file-rows", tabIndex: 0, role: "region", "aria-label": "First rows of the file", hidden: true }),
     make("figure", { id: "file-drawing", hidden: true, "aria-label": "The data in the file" },
       makeShape("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, preserveAspectRatio: "none", "aria-hidden": "true" }),

@@ -105,6 +105,7 @@ class Feature(interface.Feature):
         sign=lambda values: are_of_roles(values, (-1, 1).__contains__),
         part=is_part,
         channel=orders.is_whole,
+        line=orders.is_text,
         **dict.fromkeys(("cut_off", "speed", "deflection"), orders.is_number),
     )
     def choose(self, turn: int, use: bool = False, **chosen: Any) -> None:

@@ -14,6 +14,8 @@ const COLUMNS = ["stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_s
 const BEYOND = 0.1 // of the points beyond the run, from which on the curve is drawn in its own range, too
 const AXES = { U_x: "Uₓ", delta: "δ", F: "F", L: "L", A: "A" }
 const TIP = "A tip is three-dimensional, the model is plane strain: compare forces as ratios."
+const PREFIXES = [["", 1], ["m", 1e3], ["µ", 1e6], ["n", 1e9], ["p", 1e12]]
+const MISSING = { unload: "retraction", loop: "way back", shear: "shear" } // of a run, by the path that has it
 const UNITS = { "w E": "w E", F_s: "Fₛ", A_0: "A₀" }
 let asked = null // the run that the server compares with
 
@@ -95,16 +97,18 @@ function drawOwn(run) {
       parts: { run: line("--body", { width: 2 }), points: points("--laid-1") } })
   const { over } = curve, main = mainOf(curve), drawn = pointsOf(laid, main), chart = charts.own
   const computed = apart?.set ? alongRun(run, curve, main) : none
-  const unit = (name) => (apart?.set ? (AXES[name] === "F" || AXES[name] === "L" ? "N/m" : "nm") : curve.units[name])
-  chart.across = `${AXES[over]} (${unit(over)})`
-  chart.up = `${AXES[main]} (${unit(main)})`
   chart.fill("run", computed)
-  chart.fill("points", { x: thinned(drawn.x), y: thinned(drawn.y) })
-  for (const axis of ["x", "y"]) {
-    const all = [...drawn[axis], ...computed[axis]], high = Math.max(...all), low = Math.min(...all)
-    const room = 0.06 * (high - low || 1)
+  for (const [axis, side, name] of [["x", "across", over], ["y", "up", main]]) {
+    const unit = apart?.set ? ("FL".includes(name) ? "N/m" : "nm") : curve.units[name]
+    const all = [...drawn[axis], ...computed[axis]], most = Math.max(...all.map(Math.abs))
+    // numbers of newtons that an axis has room for
+    const [prefix, times] = (unit === "N" && PREFIXES.find(([, size]) => most * size >= 1)) || ["", 1]
+    drawn[axis] = thinned(drawn[axis]).map((value) => times * value)
+    const high = times * Math.max(...all), low = times * Math.min(...all), room = 0.06 * (high - low || 1)
+    chart[side] = `${AXES[name]} (${prefix}${unit})`
     chart.range(axis, { start: low - room, end: high + room })
   }
+  chart.fill("points", drawn)
 }
 
 // The run over the same quantity; an area over friction up to the first slip
@@ -124,6 +128,7 @@ function describe() {
   const { curve, apart, name } = laid, main = mainOf(curve), says = [make("i", {}, "○ "), `${name}, ${curve.kind}: `]
   by("laid-path").hidden = !apart?.path
   if (!apart) says.push("comparing …")
+  else if (apart.path) says.push(`this run has no ${MISSING[apart.path]}.`)
   else if (apart.why) says.push(`${apart.why}.`)
   else {
     const { rms, noise, outside, points: all, low, high, units, set } = apart
@@ -145,6 +150,7 @@ function describe() {
 
 // After the connection was lost, and the page was opened again
 export function askAgain(name) {
+  prepare()
   by("laid").hidden = false
   say("laid-why", `${name}: the connection was lost, and the curve with it; choose the file again.`)
 }
@@ -160,7 +166,9 @@ function remove() {
 
 const points = (ink) => ({ kind: "marks", marker: "circle", size: 5, hollow: true, ink, ...none })
 
-function connect() {
+// Make what is there with the first file
+export function prepare() {
+  if (by("laid")) return
   addPart("forces", "laid_F", points("--laid-1"), "F")
   addPart("forces", "laid_L", points("--laid-2"), "F")
   addPart("area", "laid_A", points("--laid-1"), "A")
@@ -184,4 +192,3 @@ function connect() {
   frame(["charted", "run", "laid", "approach", "look"], draw)
   view(["status"], () => { if (me.laid) describe() })
 }
-connect()

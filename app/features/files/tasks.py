@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.service import worker
 from app.service.tasks import MEMORY
@@ -43,6 +42,7 @@ FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another un
 FAR = 60.0  # nm: of a longer load, which no run covers, the part from the contact on is proposed
 LEFT, STEADY = 6.0, 5  # scatters by which a load has left its line, for so many points
 CUT_OFF = {"cut_off": "remove waves shorter than (nm)"}
+LINE = {"line": "line of a map, such as row 12 or column 12"}
 COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  # of a run, as the page sends them
 
 
@@ -62,6 +62,7 @@ class Chosen:
     channel: int | None = None
     speed: float | None = None
     deflection: float | None = None
+    line: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +89,7 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
     try:
         with worker.bounded_memory(MEMORY):
             if is_instruments(content):
-                seen |= {"kind": SURFACE, "kinds": {SURFACE: KINDS[SURFACE]}, "fields": CUT_OFF}
+                seen |= {"kind": SURFACE, "kinds": {SURFACE: KINDS[SURFACE]}, "fields": LINE | CUT_OFF}
                 return seen, _surface(scene, content, None, chosen, seen)
             block = read_table(content, NEEDED, chosen.channel)
             return seen, _of_table(scene, block, chosen, seen)
@@ -192,14 +193,14 @@ def _rounded(value, digits=3):
 
 def _surface(scene, source, columns, chosen, seen):
     """The Profile of a Block, or of the content of an instrument's file."""
-    how = {"unit": chosen.units.get("x"), "channel": chosen.channel}
+    how = {"unit": chosen.units.get("x"), "channel": chosen.channel, "line": chosen.line}
     if columns is not None:
         how = {"columns": {role: k + 1 for role, k in columns.items()}}
         how["units"] = {role: unit for role, unit in chosen.units.items() if role in ("x", "z")}
     trace = profile.read_trace(source, **how)
     x = trace.x - trace.x[0]
     part = chosen.part or _middle(x)
-    seen |= {"drawn": _drawn(x, trace.z, "nm"), "part": part, "fields": CUT_OFF}
+    seen |= {"drawn": _drawn(x, trace.z, "nm"), "part": part, "fields": seen["fields"] | CUT_OFF}
     within = None if part == (0.0, 1.0) else (part[0] * x[-1], part[1] * x[-1])
     made = read_profile(source, part=within, cut_off=chosen.cut_off, **how)
     used, apart = f" of {_rounded(x[-1], 4)} nm" if within else "", _rounded(made.length / scene.nodes)
@@ -316,7 +317,7 @@ def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float,
     try:
         found = compared(curve, run)
     except NoStage as error:
-        return {"why": f"this run has no such stage ({error.path})", "path": error.path, "points": points}
+        return {"path": error.path, "points": points}
     except ValueError:
         here = float(np.ptp(np.concatenate([each.x for each in curve.segments])))
         there = float(np.ptp(columns[curve.over]))

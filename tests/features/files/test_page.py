@@ -222,7 +222,7 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
     page = visit("?path=shear&u_x_max=4")
     drop(page, "\n".join(["height (nm),load (N/m)", *rows]))
     page.locator("#file-why", has_text="L falls as the surfaces approach").wait_for()
-    page.get_by_label("load: sign").select_option("sign as in the file")
+    page.get_by_label("load: sign").select_option("1: as in the file")
     use(page)
     page.get_by_role("button", name="Compute that path").click()
     page.wait_for_function("punch.status.values.path === 'unload' && charts.forces.parts.laid_L.y.length")
