@@ -263,6 +263,7 @@ function connect() {
     file = null
     turn++
     by("file-rows").dataset.key = ""
+    order("piece", { at: 0, of: 0, content: new ArrayBuffer(0) }) // the server forgets what was not used
     by("menu").focus()
   })
   take("seen", receive)

@@ -2,6 +2,7 @@
 
 import hashlib
 import secrets
+from collections.abc import Callable
 from typing import Any
 
 from cachetools import LRUCache
@@ -28,14 +29,23 @@ def kept(key: str) -> Kept | None:
     return _kept.get(key)
 
 
-def are_of_roles(values: Any, test: Any) -> bool:
-    """Whether it is {quantity: value that passes a test}."""
-    return isinstance(values, dict) and values.keys() <= set(tasks.ROLES) and all(map(test, values.values()))
+def of_roles(test: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    """Return the test for {quantity: value that passes a test}."""
+    roles = {*tasks.ROLES}
+    return lambda values: isinstance(values, dict) and values.keys() <= roles and all(map(test, values.values()))
+
+
+is_kind, are_columns = ("", *tasks.KINDS).__contains__, of_roles(orders.is_whole)
+are_units, are_signs = of_roles(orders.is_text), of_roles((-1, 1).__contains__)
 
 
 def is_part(values: Any) -> bool:
     numbers = isinstance(values, list) and len(values) == 2 and all(map(orders.is_number, values))
     return numbers and 0.0 <= values[0] < values[1] <= 1.0
+
+
+def are_stages(names: Any) -> bool:
+    return isinstance(names, list) and all(map(orders.is_text, names))
 
 
 class Feature(interface.Feature):
@@ -99,10 +109,10 @@ class Feature(interface.Feature):
         "choice",
         turn=orders.is_whole,
         use=orders.is_flag,
-        kind=lambda value: value in ("", *tasks.KINDS),
-        columns=lambda values: are_of_roles(values, orders.is_whole),
-        units=lambda values: are_of_roles(values, orders.is_text),
-        sign=lambda values: are_of_roles(values, (-1, 1).__contains__),
+        kind=is_kind,
+        columns=are_columns,
+        units=are_units,
+        sign=are_signs,
         part=is_part,
         channel=orders.is_whole,
         line=orders.is_text,
@@ -146,7 +156,7 @@ class Feature(interface.Feature):
     @order(
         "compare",
         content=orders.is_content,
-        stages=lambda names: isinstance(names, list) and all(map(orders.is_text, names)),
+        stages=are_stages,
         force=orders.is_number,
         width=orders.is_number,
     )
@@ -155,7 +165,7 @@ class Feature(interface.Feature):
         if self.curve is None:
             return
         call = tasks.compare, self.curve, content, tuple(stages), force, width
-        failed = {"why": "the curve could not be compared with this run", "points": 0}
+        failed = {"why": "the curve could not be compared with this run"}
         self.comparing.ask(call, lambda made: self.session.send("compared", **(made or failed)), private=True)
 
     @order("forget")

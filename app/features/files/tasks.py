@@ -173,7 +173,9 @@ def _raw(block: Block, columns, kind):
     numbers = [k for k, cells in enumerate(block.cells) if cells.dtype != object]
     chosen = [next(columns[role] for role in side if role in columns) for side in SIDES[kind] if {*side} & {*columns}]
     drawn = chosen if len(chosen) == 2 else numbers[:2]
-    return _drawn(*(block.cells[k] for k in drawn), "") if len(drawn) == 2 and {*drawn} <= {*numbers} else None
+    if len(drawn) < 2 or not {*drawn} <= {*numbers}:
+        return None
+    return _drawn(block.cells[drawn[0]], block.cells[drawn[1]], "")
 
 
 def _drawn(x, y, unit):
@@ -298,32 +300,50 @@ def shown(curve: Curve) -> dict[str, Any]:
     return made | {"notes": " ".join(curve.notes)}
 
 
+def _run(content, stages, force, width):
+    """What a Curve is compared with, from the curves of a run; raises ValueError, LookupError or ArithmeticError."""
+    rows = np.frombuffer(content, "<f4").reshape(len(COLUMNS), -1).astype(float).tolist()
+    names, (slips, at, F_slip) = [Stage(stages[int(k)].split(" ")[-1]) for k in rows[0]], rows[6:]
+    frames = [
+        SimpleNamespace(stage=stage, U_x=U_x, delta=delta, F=F, L=L, A=A)
+        for stage, U_x, delta, F, L, A in zip(names, *rows[1:6], strict=True)
+    ]
+    first = next((k for k, stage in enumerate(names) if stage.moves == "U_x" and slips[k]), None)
+    slip = None if first is None else SimpleNamespace(U_s=at[first], F_s=F_slip[first])
+    return SimpleNamespace(scene=SimpleNamespace(width=width, E=force / width), frames=frames, first_slip=slip)
+
+
+def _own_range(curve, run, error):
+    """Why a Curve and a run cannot be compared: one is longer; else the reason of the error."""
+    here, there = (
+        float(np.ptp(values))
+        for values in (
+            np.concatenate([each.x for each in curve.segments]),
+            [getattr(frame, curve.over) for frame in run.frames],
+        )
+    )
+    if curve.over in "FL" or here <= there:
+        return f"{error}".partition(";")[0]
+    return f"{_rounded(here)} nm here, {_rounded(there)} nm in the run"
+
+
 def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float, width: float) -> dict[str, Any]:
     """Return how far a Curve and a run are apart, and {quantity: [factor, zero]} that bring it into the run's units.
 
     content: COLUMNS of a run, float32; stages: their names; force: w E, N/m; width: w, nm. `why`: what keeps them from
     being compared, and `path`: a kind of path whose runs can be.
     """
-    rows = np.frombuffer(content, "<f4").reshape(len(COLUMNS), -1).astype(float)
-    names, columns = [Stage(stages[int(k)].split(" ")[-1]) for k in rows[0]], dict(zip(COLUMNS, rows, strict=True))
-    frames = [
-        SimpleNamespace(stage=stage, U_x=U_x, delta=delta, F=F, L=L, A=A)
-        for stage, U_x, delta, F, L, A in zip(names, *rows[1:6].tolist(), strict=True)
-    ]
-    slid = next((k for k, stage in enumerate(names) if columns["slip"][k] and stage.moves == "U_x"), None)
-    first = None if slid is None else SimpleNamespace(U_s=columns["slip_at"][slid], F_s=columns["F_slip"][slid])
-    run = SimpleNamespace(scene=SimpleNamespace(width=width, E=force / width), frames=frames, first_slip=first)
+    try:
+        run = _run(content, stages, force, width)
+    except (ValueError, LookupError, ArithmeticError):
+        return {"why": "the run did not arrive whole; load the page again"}
     points = sum(each.x.size for each in curve.segments)
     try:
         found = compared(curve, run)
     except NoStage as error:
-        return {"path": error.path, "points": points}
-    except ValueError:
-        here = float(np.ptp(np.concatenate([each.x for each in curve.segments])))
-        there = float(np.ptp(columns[curve.over]))
-        unit, other = curve.units[curve.over], "N/m" if curve.over in "FL" else "nm"
-        why = f"{_rounded(here)} {unit} here, {_rounded(there)} {other} in the run, so it is drawn in its own range"
-        return {"why": f"{why}. Choose a part as long as the run, or compute a longer run", "points": points}
+        return {"path": error.path}
+    except ValueError as error:
+        return {"why": f"{_own_range(curve, run, error)}, so it is drawn in its own range"}
     scaled = [name for name, unit in curve.units.items() if unit == "N"]
     units = {name: unit_in(unit, run) for name, unit in curve.units.items()}
     set_to = {name: [units[name], 0.0] for name in curve.units}

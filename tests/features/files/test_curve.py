@@ -155,7 +155,20 @@ def test_a_curve_that_the_run_cannot_be_compared_with_says_both_ranges_or_the_pa
     x = np.linspace(0.0, 3380.0, 300)
     _, long = look(SCENE, text("U_x (nm),F (N)", 100.0 + x, x), Chosen())
     found = compare(long, *sent(run))
-    assert "3,380 nm here, 8 nm in the run" in found["why"] and "set" not in found
+    assert found == {"why": "3,380 nm here, 8 nm in the run, so it is drawn in its own range"}
+    _, turned = look(SCENE, text("U_x (nm),F (N)", U_X, -U_X), Chosen())
+    assert "brings the forces nearest to the run" in compare(turned, *sent(run))["why"]
+
+
+def test_what_is_no_run_is_not_compared():
+    _, curve = look(SCENE, FRICTION, Chosen())
+    for content, stages in (
+        (b"12345", ("shear",)),
+        (b"\0" * 36, ()),
+        (b"\0" * 36, ("none",)),
+        (b"\xff" * 36, ("shear",)),
+    ):
+        assert "did not arrive whole" in compare(curve, content, stages, 1.0, 1.0)["why"]
 
 
 def dropped(page, content, **chosen):
