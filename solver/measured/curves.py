@@ -16,14 +16,25 @@ from .columns import Given, asked, called, checked, for_user, given, not_used, r
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
 from .tables import SHOWN, Source, listed, read_table
-from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor
+from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor, is_unit
 
-NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A; U_x and A"
+NEEDED_BY = {
+    "friction": "U_x and F of friction, or time and F with a speed",
+    "load": "delta and L of a load",
+    "area": "A over F, L or U_x",
+}
+NEEDED = "; ".join(NEEDED_BY.values())
 KINDS = ("friction", "loop", "load", "area")
 ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
 NAMED = {  # what a heading may say, in small letters without blanks and signs
     "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
-    "displacement": ("displacement",),  # along the surface or into it: the other column or `kind` tells
+    "displacement": (
+        "displacement",
+        "position",
+        "extension",
+        "crosshead",
+        "distance",
+    ),  # along the surface or into it: the other column or `kind` tells
     "F_bar": ("fbar",),
     "F": ("fx", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
     "force": ("f", "force"),  # F beside U_x or an area; L beside delta or a height
@@ -33,7 +44,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
     "height": ("height", "heightmeasured", "gap", "separation", "tipsampleseparation"),  # falls as delta grows
-    "position": ("z", "zsense", "zsensor", "zposition", "piezo", "position", "normaldisplacement"),  # either way
+    "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
     "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
@@ -62,8 +73,12 @@ PART_OF = {word: part for part, words in PARTS.items() for word in words}
 OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move": "forth"}  # others keep their name
 FORCES_TOLD = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
+UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
 SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?([^",]{1,60})')
 MOST_SAID = 100
+MOST_PULLS = 0.95  # of the points: a load that is negative at more is likely counted downwards
+PULL = "a pull (sign 1), or counted downwards (sign -1)?"
+DEPTH = " And does delta grow (1) or fall (-1) to contact?"
 
 
 def read_measurement(
@@ -200,19 +215,25 @@ class _Reader:
             return DataError(f"{reason} {table}", table=table, call={"kind": ...})
         if not kind and {"time", "force"} <= known.keys():
             return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
-        reason = "which column is what is not certain; needed: U_x (or time) and F, delta and L, or A over one of these"
-        if not kind and not {*known, *self.several} - {"time", "stage", "segment"}:
-            return DataError(f"{reason}; {table}", table=table, call={"kind": ...})
+        reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & {*known, *self.several}
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
         names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
-        if kind == "friction" and "time" in known and "U_x" not in known:
+        deep = {known[role] for role in DEEP if role in known}
+        along = [k for k, column in enumerate(table.columns) if is_unit(column.unit) and k not in deep]
+        if kind == "friction" and "time" in known and not along and "U_x" not in known:
             names = ("time", "F")
-        roles = dict(zip(names, MEANT[kind], strict=True))
-        of = {name: next((known[each] for each in roles[name] if each in known), None) for name in names}
-        units = {name: (k is not None and table.columns[k].unit) or ... for name, k in of.items()}
-        own = sum(bool(column.unit) for column in table.columns) > 1
-        return asked(table, reason, of, names, **({} if own else {"units": units}))
+        more = {"speed": ...} if "time" in names and self.how.speed is None else {}
+        over, values = MEANT[kind]
+        roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
+        at = {name: [known[each] for each in roles[name] if each in known] for name in names}
+        of = {name: found[0] for name, found in at.items() if found}
+        return self._asked(reason, of, names, **more)
+
+    def _asked(self, reason, of, names, **more):
+        """The DataError for the columns and units of quantities."""
+        known = {name: UNITS_OF.get(name, LENGTHS) for name in names}
+        return asked(self.table, reason, of, known, self.how.units, **more)
 
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
@@ -220,10 +241,8 @@ class _Reader:
         wanted = self.how.units.get(name)
         if role.endswith("_bar"):
             return 1.0, "w" if name == "A" else "w E"
-        kinds = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}
-        known = kinds.get(name, LENGTHS)
-        own = column.unit or ""
-        own = own if own in known or (known is LENGTHS and own.lower() in known) else None
+        known = UNITS_OF.get(name, LENGTHS)
+        own = column.unit if is_unit(column.unit, known) else None
         if self.how.force is not None and name in "FL" and name in self.of:
             if own in PER_WIDTH or own == "F_s":
                 raise DataError(f"force = {self.how.force:g}, but {column.name} is in {own}; leave force out")
@@ -231,7 +250,7 @@ class _Reader:
         unit = wanted or own
         if unit is None:
             return None
-        allowed = ALLOWED if known is LENGTHS else ", ".join(known)
+        allowed = ALLOWED if "nm" in known else ", ".join(known)
         times = factor(unit, known, allowed, f"units[{name!r}]" if wanted else column.name)
         if wanted and own and factor(own, known) != times:
             raise DataError(
@@ -278,11 +297,7 @@ class _Reader:
             if unit and name == "A" and re.search("[²2]", unit):
                 whys.append("divide it by its value without shear, and write A/A_0")
         over = [name for name in self._needed() if not self.role[name].endswith("_bar")]
-        units = {name: ... if name in missing else self._own(name) for name in over}
-        return asked(self.table, "; ".join(whys), self.of, self._needed(), units=units)
-
-    def _own(self, name):
-        return self.how.units.get(name) or self.table.columns[self.of[name]].unit
+        return self._asked("; ".join(whys), self.of, over)
 
     def _turned(self, values):
         """The quantities with their signs, without the deflection of the lever; asks for a sign that may be wrong."""
@@ -293,8 +308,8 @@ class _Reader:
             values[name] = by * values[name]
         if self.kind == "load":
             self._approaching(values, sign)
-        elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > 0.95:
-            raise self._asked_sign({"L": ...}, "L is negative: a pull (sign 1), or counted downwards (sign -1)?")
+        elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > MOST_PULLS:
+            raise self._asked_sign({"L": ...}, f"L is negative: {PULL}")
         if self.how.deflection is not None:
             k = self.how.deflection
             if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
@@ -319,12 +334,13 @@ class _Reader:
             raise self._asked_sign(
                 {"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?{beside}"
             )
-        deep = np.argsort(delta)
-        edge = max(1, delta.size // 20)
-        if "L" not in sign and np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]]):
-            raise self._asked_sign(
-                {"L": ...}, "L falls as the surfaces approach: a pull (sign 1), or counted downwards (-1)?"
-            )
+        deep, edge = np.argsort(delta), max(1, delta.size // 20)
+        falls = np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]])
+        unsure = role not in ("delta", "height")
+        if "L" not in sign and (falls or (unsure and (L < 0.0).mean() > MOST_PULLS)):
+            either = {} if role == "delta" or "delta" in sign else {"delta": ...}
+            reason = f"L {'falls as the surfaces approach' if falls else 'is negative'}: {PULL}{DEPTH * bool(either)}"
+            raise self._asked_sign({"L": ...} | either, reason)
 
     def _title(self, name):
         return repr(self.table.columns[self.of[name]].name[:SHOWN])

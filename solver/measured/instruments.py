@@ -16,7 +16,7 @@ from .units import factor
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 MISSING = 1e9  # nm: heights beyond are marks of missing points
-BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: |\\\*File list")  # of files in text
+BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: .*\r?\n# Width: |\\\*File list")  # of files in text
 UNREAD = (  # what a file is that the library cannot read: a test of its content, and what to do
     (lambda raw: raw[:2] == b"PK" and b"/main.xml" in raw, "an X3P in a folder; zip the files without their folder"),
     (lambda raw: raw[:12] == b"DSCOMPRESSED", "a compressed SUR; save it without compression"),

@@ -1,5 +1,6 @@
 """Tables in text files: the block of numbers, its columns with names and units, and the lines above it."""
 
+import csv
 import re
 from collections.abc import Callable, Sequence
 from io import StringIO
@@ -23,7 +24,9 @@ FIRST = 5  # rows that a refusal shows
 SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
 LONGEST = 8  # rows of a table that counts beside another one
 LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
-BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?')
+COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
+BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
+DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
 FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
 
 _DIGITS = {",": r"(?:\d++\.?\d*+|\.\d++)", "": r"(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)"}
@@ -127,10 +130,15 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
     ranges, names = _ranges(raw, lines, layout)
+    first = ranges[0][0] if ranges else 0
+    beside = MIXED[NUMERIC.index(layout)] if layout in NUMERIC else layout
+    if first and beside.is_row(lines[first - 1]) and _width(lines, first - 1, layout) == _width(lines, first, layout):
+        layout = beside  # words stand beside the first rows, as in the files of some oscilloscopes
+        ranges, names = _ranges(raw, lines, layout)
     chosen, others = _chosen(ranges, names, channel)
     rows = np.concatenate([ranges[k] for k in chosen])
     _reject_bad(lines, rows, layout)
-    counts = _counts(lines, rows, layout)
+    counts = np.fromiter((_width(lines, k, layout) for k in rows), int, rows.size)
     width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
     if counts.max() > MOST_COLUMNS:
         raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
@@ -194,8 +202,10 @@ def _chosen(ranges, names, channel):
     long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
     if channel is not None:
         channel = int(channel) if str(channel).isdigit() else channel
+        if channel == "all":
+            return long, []
         if channel not in range(1, len(long) + 1):
-            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table; give one")
+            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
         return [long[channel - 1]], []
     if len(long) > 1 and not all(names[k] for k in long):
         begin = ", ".join(str(ranges[k][0] + 1) for k in long[:6])
@@ -223,11 +233,9 @@ def _reject_bad(lines, rows, layout):
             raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
 
 
-def _counts(lines, rows, layout):
-    """The number of cells of each row."""
-    if layout.separator:
-        return np.fromiter((lines[k].count(layout.separator) + 1 for k in rows), int, rows.size)
-    return np.fromiter((len(lines[k].split()) for k in rows), int, rows.size)
+def _width(lines, k, layout):
+    """The number of cells of a line."""
+    return lines[k].count(layout.separator) + 1 if layout.separator else len(lines[k].split())
 
 
 def _cells(texts, layout, width, rows):
@@ -242,6 +250,9 @@ def _cells(texts, layout, width, rows):
     if commas and not words and "." in text:
         k = next(k for k, line in enumerate(texts) if "," in line)
         raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
+    if commas and not words and not DECIMAL.search(text):
+        line = int(rows[next(k for k, line in enumerate(texts) if "," in line)]) + 1
+        raise DataError("commas with three digits behind each may separate thousands; write decimal points", line)
     frame = read_csv(
         StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
         decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
@@ -267,22 +278,32 @@ def _range(cells):
 
 
 def _heading(above, layout, sizes):
-    """([units or None], [names]) of the columns: what the file labels so, or the line above the first row."""
+    """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
     labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
     named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
-    lettered = [line.strip("# \t") for line in reversed(above) if re.search(r"[^\W\d_]", line)]
-    for line in lettered[:2] if named is None else ():
-        cells = _split(line, layout, sizes)
-        if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
-            break
-        if units is None and all(not cell or named_unit(cell) or cell[0] in "[({" for cell in cells):
-            units = [plain_unit(cell.strip("[](){} ")) for cell in cells]  # a row of units
-            continue
-        named = cells
-        break
-    both = [parted(cell) for cell in named or [""] * sizes[1]]
+    near = _near(above, layout, sizes) if named is None else []
+    unit_row = next((k for k, cells in enumerate(near) if all(map(_may_be_unit, cells))), None)
+    if unit_row is not None:  # names stand above it, with comments below, or else below it
+        units = [plain_unit(cell.strip(BRACKETS)) for cell in near.pop(unit_row)]
+        near = near[unit_row:] or near
+    both = [parted(cell) for cell in named or (near[0] if near else [""] * sizes[1])]
     below = units or [""] * sizes[1]
     return [own or (other or None) for (_, own), other in zip(both, below, strict=True)], [name for name, _ in both]
+
+
+def _near(above, layout, sizes):
+    """[cells] of the lines next to the first row that have words in each column, the lowest first."""
+    near = []
+    for line in [line for line in reversed(above) if re.search(r"[^\W\d_]", line)][:3]:
+        cells = _split(line.strip(COMMENT), layout, sizes)
+        if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
+            break
+        near.append(cells)
+    return near
+
+
+def _may_be_unit(cell):
+    return not cell or named_unit(cell) or cell[0] in BRACKETS
 
 
 def _split(line, layout, sizes):
@@ -293,8 +314,10 @@ def _split(line, layout, sizes):
     filled, width = sizes
     if not line or len(line) > 200 * width:
         return None
-    cut = [line.split(mark) for mark in (layout.separator or "\t", ";", "\t", ",", "  ")]
-    for cells in (*cut, [] if re.search("[;\t]", line) else BLANKS.findall(line)):
+    marks = dict.fromkeys((layout.separator or "\t", ";", "\t", ","))
+    quoted = [next(csv.reader([line], delimiter=mark, skipinitialspace=True)) for mark in marks]
+    blanks = [] if re.search("[;\t]", line) else BLANKS.findall(line)
+    for cells in (*quoted, re.split(" {2,}", line), blanks):
         cells = [" ".join(cell.split()).strip(' "') for cell in cells]
         while len(cells) > filled and not cells[-1]:
             cells.pop()
@@ -305,7 +328,7 @@ def _split(line, layout, sizes):
 
 def _with_segments(block, names, ranges, chosen, begun):
     """The Block with a column `segment` where lines between its tables name them."""
-    if len(chosen) < 2:
+    if not all(names[k] for k in chosen) or len(chosen) < 2:
         return block
     words = np.concatenate([np.full(ranges[k].size, names[k], object) for k in chosen])[begun:]
     columns = (*block.table.columns, Column("segment", None, np.nan, np.nan))

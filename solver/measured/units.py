@@ -56,7 +56,8 @@ def parted(cell: str) -> tuple[str, str | None]:
     match = LAST.fullmatch(cell)
     if match and named_unit(match[2]) and (len(match[2]) > 1 or " in " in cell):
         return match[1], plain_unit(match[2])
-    return ("", plain_unit(cell)) if len(cell) > 1 and named_unit(cell) else (cell, None)
+    alone = len(cell) > 1 and named_unit(cell) and cell not in OTHERS  # pixel is a name as well
+    return ("", plain_unit(cell)) if alone else (cell, None)
 
 
 def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOWED, name: str = "unit") -> float:
@@ -67,12 +68,16 @@ def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOW
     plain = plain_unit(str(unit)).removeprefix("\ufeff")
     match = TIMES.fullmatch(plain)
     times, word = (float(match[1]), match[2]) if match else (1.0, plain)
-    found = known.get(word, known.get(word.lower()) if known is LENGTHS else None)
-    if found is None or not times > 0.0:
+    if not is_unit(word, known) or not times > 0.0:
         raise DataError(
             f"{name} = {str(unit)[:40]!r}; allowed units: {allowed}, or a number of them; give one of these"
         )
-    return times * found
+    return times * (known[word] if word in known else known[word.lower()])
+
+
+def is_unit(unit: str | None, known: Mapping[str, float] = LENGTHS) -> bool:
+    """Whether a unit is known; capitals count but in lengths."""
+    return bool(unit) and (unit in known or ("nm" in known and unit.lower() in known))  # type: ignore[union-attr]
 
 
 def units_above(lines: Iterable[str]) -> dict[str, str]:
