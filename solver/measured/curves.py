@@ -36,7 +36,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
         "distance",
     ),  # along the surface or into it: the other column or `kind` tells
     "F_bar": ("fbar",),
-    "F": ("fx", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
+    "F": ("fx", "fy", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
     "force": ("f", "force"),  # F beside U_x or an area; L beside delta or a height
     "L_bar": ("lbar",),
     "L": ("l", "fz", "fn", "load", "normalload", "normalforce", "verticaldeflection", "vdeflection"),
@@ -75,6 +75,7 @@ FORCES_TOLD = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
 UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
 SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?([^",]{1,60})')
+SPRING = "spring|force con|stiffn"
 MOST_SAID = 100
 MOST_PULLS = 0.95  # of the points: a load that is negative at more is likely counted downwards
 PULL = "a pull (sign 1), or counted downwards (sign -1)?"
@@ -278,12 +279,9 @@ class _Reader:
         self.rows &= complete
         if not self.rows.any():
             raise DataError(f"no row has numbers in all of {', '.join(self.of)}; needed: {NEEDED}")
-        used = [
-            *self.of.values(),
-            *(self.known[role] for role in ("stage", "segment", "L", "L_bar") if role in self.known),
-        ]
         if self.stages is None:
-            self.notes += not_used(self.block, used)
+            beside = [self.known[role] for role in ("stage", "segment") if role in self.known]
+            self.notes += not_used(self.block, [*self.of.values(), *beside])
         self.notes += self.block.notes
         return dict(zip(self.of, values[self.rows].T, strict=True)), np.flatnonzero(self.rows)
 
@@ -317,7 +315,14 @@ class _Reader:
                     f"deflection = {k!r}: allowed: above 0, N/m, of a load in N; leave it out, or give units"
                 )
             values["delta"] = values["delta"] - 1e9 * values["L"] / k
+        elif self.kind == "load":
+            self.notes += [f"{spring}: the lever is in delta; deflection takes it off." for spring in self._spring()]
         return values
+
+    def _spring(self):
+        """[what the file says of the stiffness of a lever]."""
+        said = (f"{key} = {text}" for key, text in self.said.items() if re.search(SPRING, key, re.I))
+        return [f"The file says {text}" for text in said][:1]
 
     def _approaching(self, values, sign):
         """Gives delta the sign with which it grows as the surfaces approach; asks where it may be either."""
@@ -326,10 +331,7 @@ class _Reader:
             delta = values["delta"] = -delta
         far = delta[0]
         if role == "position" and "delta" not in sign:
-            spring = [
-                f"{key} = {text}" for key, text in self.said.items() if re.search("spring|force con|stiffn", key, re.I)
-            ]
-            beside = f"; the file says {spring[0]}: give it as deflection, which takes the lever off" if spring else ""
+            beside = "".join(f" {spring}: deflection takes the lever off." for spring in self._spring())
             likely = -1 if delta[np.argmax(L)] < far else 1
             raise self._asked_sign(
                 {"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?{beside}"

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from ..scene import LIMITS
 from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
 from ..text import counted
-from .columns import Given, asked, checked, for_user, given, not_used, recognised
+from .columns import Given, asked, checked, for_user, given, not_used, plain, recognised
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Source, content_of, listed, read_table
-from .units import ALLOWED, factor, is_unit, mentioned, units_above
+from .units import ALLOWED, factor, is_unit, mentioned, named_unit, units_above
 from .units import LENGTHS as NM
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
@@ -160,8 +160,10 @@ def _with_cut_off(error, points, periodic, width):
     """The SteepError with the least cut-off, to two digits, with which the profile is read to its end."""
     period = _period(points, periodic)
     spacing, z = _even(_closed(points, period) if period else points)
-    cut_off = least_cut_off(z[:-1] if period else z, spacing, STEEPEST, bool(period))
-    while cut_off and (cut_off := float(f"{1.1 * cut_off:.2g}")) < 0.5 * points.length:
+    most = float(f"{0.499 * points.length:.4g}")
+    cut_off, last = least_cut_off(z[:-1] if period else z, spacing, STEEPEST, bool(period)) or most, None
+    while cut_off != last:
+        last, cut_off = cut_off, min(float(f"{1.1 * cut_off:.2g}"), most)
         try:
             _made(points, periodic, width, cut_off, [])
         except DataError:
@@ -209,8 +211,9 @@ def _x_and_z(table, how):
     unnamed = not any(column.name for column in table.columns)
     if len(table.columns) == 2 and unnamed:
         known = {"x": 0, "z": 1}
-    if "z" not in {*known, *several} and "y" in known:  # of x, y; of x, y, z it is another coordinate
-        known["z"] = known["y"]
+    rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
+    if "z" not in {*known, *several} and not any(named_unit(column.unit or "") for column in rest):
+        known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
     of = {role: known[role] for role in "xz" if role in known} | own
     if len(table.columns) == 1 and "x" not in own:
         raise _asked(table, f"one column, two are needed: {NEEDED}; or {COUNTED}", {"x": None, "z": 0}, how)

@@ -19,6 +19,12 @@ MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
 MOST_COLUMNS = 100
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
 MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
+OTHERS = {  # what a file is that begins so, and holds no measurement
+    "a picture, whose heights are lost; export them as CSV": (b"\x89PNG\r\n", b"\xff\xd8\xff", b"GIF8", b"RIFF"),
+    "a PDF; export its numbers as CSV": (b"%PDF-",),
+    "an archive; unpack it": (b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!", b"BZh", b"\xfd7zXZ"),
+    "a program; choose a file of a measurement": (b"\x7fELF", b"MZ\x90", b"\xcf\xfa\xed\xfe"),
+}
 SHOWN = 40  # characters of a cell in a message
 FIRST = 5  # rows that a refusal shows
 SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
@@ -119,12 +125,12 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
     Returns a Block. Raises DataError.
     """
-    raw = _text(source).split("\n")
-    if len(raw) > MOST_LINES or max(map(len, raw)) > LONGEST_LINE:
-        most = f"up to {MOST_LINES} lines of {LONGEST_LINE} characters"
-        raise DataError(
-            f"{len(raw)} lines, the longest of {max(map(len, raw))} characters; allowed: {most}; thin it out"
-        )
+    text = _text(source)
+    count = text.count("\n") + 1
+    raw = text.split("\n") if count <= MOST_LINES else []
+    if not raw or max(map(len, raw)) > LONGEST_LINE:
+        most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
+        raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
     layout = _layout(lines)
     if layout is None:
@@ -181,8 +187,11 @@ def _ranges(raw, lines, layout):
     """([indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
     is_row = layout.is_row
     row = np.fromiter((bool(line) and bool(is_row(line)) for line in lines), bool, len(lines))
-    named = {k: match[2].strip() for k, line in enumerate(raw) if line[:1] == "#" and (match := LABEL.match(line))
-             and match[1].lower() == "segment"}  # fmt: skip
+    labels = [(k, match[1].lower(), match[2].strip()) for k, line in enumerate(raw)
+              if line[:1] == "#" and (match := LABEL.match(line))]  # fmt: skip
+    named = {k: text for k, label, text in labels if label == "segment"}
+    if len({text for _, label, text in labels if label == "columns"}) > 1:
+        named = dict.fromkeys(named, "")  # tables of other columns are no segments of one
     text = [k for k, line in enumerate(lines) if (line and not row[k]) or k in named]
     rows = np.flatnonzero(row)
     digits = [bool(re.search(r"\d", lines[k])) for k in rows[:50]]  # lines of dashes are none
@@ -288,7 +297,11 @@ def _heading(above, layout, sizes):
         near = near[unit_row:] or near
     both = [parted(cell) for cell in named or (near[0] if near else [""] * sizes[1])]
     below = units or [""] * sizes[1]
-    return [own or (other or None) for (_, own), other in zip(both, below, strict=True)], [name for name, _ in both]
+    # two units of one column make one that is not known, and is asked for
+    each = [
+        " or ".join(dict.fromkeys(filter(None, pair))) for pair in zip((own for _, own in both), below, strict=True)
+    ]
+    return [unit or None for unit in each], [name for name, _ in both]
 
 
 def _near(above, layout, sizes):
@@ -348,6 +361,12 @@ def content_of(source: Source) -> str | bytes:
         content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
         raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
+    if isinstance(content, bytes):
+        for what, beginnings in OTHERS.items():
+            if content.startswith(beginnings):
+                raise DataError(f"this is {what}")
+        if not content.strip(b"\0"):
+            raise DataError("this is an empty file; choose another one")
     return content
 
 

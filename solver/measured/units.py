@@ -31,8 +31,9 @@ TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
 BRACKETS = re.compile(r"(.*?)\s?[\[({]([^\])}]{0,40})[\])}]")
 SLASH = re.compile(r"([^/]*[^/\s]) ?/ ?([^\d/][^/]{0,12}(?:/\w{1,4})?)")
 LAST = re.compile(r"(.*?[^\W_])(?: in |[ _])([^\W\d_]{1,13})")
-LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2}units?)\W+([^\W\d_]{1,13})\W*", re.I)
-FOR_X, FOR_Z = re.compile(r"lateral|horizontal|length|distance", re.I), re.compile(r"value|height|vertical", re.I)
+LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2})units?\W+([^\W\d_]{1,13})\W*", re.I)
+FOR_X = re.compile(r"\b(lateral|horizontal|length|distance|x)\b", re.I)
+FOR_Z = re.compile(r"\b(values?|height|vertical|y|z)\b", re.I)
 
 
 def plain_unit(text: str) -> str:
@@ -87,9 +88,9 @@ def units_above(lines: Iterable[str]) -> dict[str, str]:
         match = LABEL.fullmatch(normalize("NFC", line))
         if not match or plain_unit(match[2]).lower() not in LENGTHS:
             continue
-        x, z = (bool(each.search(match[1])) for each in (FOR_X, FOR_Z))
-        for name in ("x",) * (x or not z) + ("z",) * (z or not x):
-            found.setdefault(name, match[2])
+        for name, words in (("x", FOR_X), ("z", FOR_Z)):
+            if not match[1] or words.search(match[1]):  # of both, if it says nothing else
+                found.setdefault(name, match[2])
     return found
 
 
