@@ -4,7 +4,6 @@ import re
 from collections.abc import Mapping
 from itertools import groupby
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -116,21 +115,14 @@ def read_measurement(
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is read_measurement(scene, source)")
-    options: dict[str, Any] = {
-        "speed": speed,
-        "force": force,
-        "kind": kind,
-        "columns": columns,
-        "units": units,
-        "part": part,
-    }
-    options |= {"sign": sign, "deflection": deflection, "channel": channel}
+    how = SimpleNamespace(speed=speed, force=force, kind=kind, columns=columns, units=units, part=part, sign=sign,
+                          deflection=deflection, channel=channel)  # fmt: skip
     try:
         if kind is not None and kind not in KINDS:
             raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
-        return _Reader(scene, read_table(source, NEEDED, channel), SimpleNamespace(**options)).read()
+        return _Reader(scene, read_table(source, NEEDED, channel), how).read()
     except DataError as error:
-        raise for_user(error, "read_measurement(scene, ", source, options) from None
+        raise for_user(error, "read_measurement(scene, ", source, vars(how)) from None
 
 
 class _Reader:

@@ -26,7 +26,7 @@ SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printe
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 NEEDED = "two columns: x, z in nm"
-COUNTED = 'take columns={"x": None, "z": 1}: the rows are counted, and the unit of x is their distance, as "2.5 nm"'
+COUNTED = 'take none for x: the rows are counted, and the unit of x is their distance, as "2.5 nm"'
 NAMED = {  # names of columns in small letters without blanks and signs
     "x": ("x", "distance", "lateral", "length", "position", "xposition", "lateralposition", "scanposition"),
     "z": ("z", "height", "raw", "profile", "zheight", "profileheight", "rawheight"),

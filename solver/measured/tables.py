@@ -61,6 +61,19 @@ class Table(NamedTuple):
         listed = [f"{k} {_shown(column)}" for k, column in enumerate(self.columns[:8], 1)]
         return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}"
 
+    def to_json(self) -> dict[str, Any]:
+        """The same as JSON has it, with null for no unit and for the range of words; long lines and cells are cut."""
+        columns = [column._asdict() for column in self.columns]
+        for column in columns:
+            column |= {name: None for name in ("low", "high") if column[name] != column[name]}
+        first = [[cell[:SHOWN] for cell in row] for row in self.first]
+        return {
+            "columns": columns,
+            "first": first,
+            "above": [line[:200] for line in self.above[-20:]],
+            "rows": self.rows,
+        }
+
 
 class Block(NamedTuple):
     """A Table with its cells: a column each, of float64 (k,) or of words; lines (k,): their numbers in the file."""
@@ -91,6 +104,10 @@ class Layout(NamedTuple):
 
     def split(self, line: str) -> list[str]:
         return [cell.strip(' "') for cell in line.split(self.separator or None)]
+
+    def width(self, line: str) -> int:
+        """The number of cells of a line."""
+        return line.count(self.separator) + 1 if self.separator else len(line.split())
 
 
 def _numeric(separator):
@@ -125,35 +142,16 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
     Returns a Block. Raises DataError.
     """
-    text = _text(source)
-    count = text.count("\n") + 1
-    raw = text.split("\n") if count <= MOST_LINES else []
-    if not raw or max(map(len, raw)) > LONGEST_LINE:
-        most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
-        raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
+    raw = _lines(_text(source))
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
     layout = _layout(lines)
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
-    ranges, names = _ranges(raw, lines, layout)
-    first = ranges[0][0] if ranges else 0
-    beside = MIXED[NUMERIC.index(layout)] if layout in NUMERIC else layout
-    if first and beside.is_row(lines[first - 1]) and _width(lines, first - 1, layout) == _width(lines, first, layout):
-        layout = beside  # words stand beside the first rows, as in the files of some oscilloscopes
-        ranges, names = _ranges(raw, lines, layout)
+    layout, ranges, names = _ranges(raw, lines, layout)
     chosen, others = _chosen(ranges, names, channel)
     rows = np.concatenate([ranges[k] for k in chosen])
     _reject_bad(lines, rows, layout)
-    counts = np.fromiter((_width(lines, k, layout) for k in rows), int, rows.size)
-    width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
-    if counts.max() > MOST_COLUMNS:
-        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
-    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
-    rows, counts = rows[begun:], counts[begun:]
-    if counts.max() > width:
-        remedy = "use decimal points, or semicolons between columns"
-        line = int(rows[np.argmax(counts > width)]) + 1
-        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
+    rows, width, begun = _full_rows(lines, rows, layout)
     cells = _cells([lines[k] for k in rows], layout, width, rows)
     above = tuple(line for line in raw[: rows[0]] if line.strip())
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
@@ -164,6 +162,16 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
     block = Block(table, [cells[k] for k in kept], rows + 1, _notes(ranges, others, rows))
     return _with_segments(block, names, ranges, chosen, begun)
+
+
+def _lines(text):
+    """The lines of a text; raises DataError for too many or too long ones."""
+    count = text.count("\n") + 1
+    lines = text.split("\n") if count <= MOST_LINES else []
+    if not lines or max(map(len, lines)) > LONGEST_LINE:
+        most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
+        raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
+    return lines
 
 
 def _layout(lines):
@@ -184,7 +192,7 @@ def _layout(lines):
 
 
 def _ranges(raw, lines, layout):
-    """([indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
+    """(Layout, [indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
     is_row = layout.is_row
     row = np.fromiter((bool(line) and bool(is_row(line)) for line in lines), bool, len(lines))
     labels = [(k, match[1].lower(), match[2].strip()) for k, line in enumerate(raw)
@@ -199,9 +207,18 @@ def _ranges(raw, lines, layout):
     groups = np.searchsorted(text, rows)
     cuts = np.flatnonzero(np.diff(groups)) + 1
     ranges = [part for part in np.split(rows, cuts) if part.size]
+    k = ranges[0][0] if ranges else 0
+    beside = MIXED[NUMERIC.index(layout)] if layout in NUMERIC else layout
+    if (
+        k
+        and beside is not layout
+        and beside.is_row(lines[k - 1])
+        and layout.width(lines[k - 1]) == layout.width(lines[k])
+    ):
+        return _ranges(raw, lines, beside)  # some oscilloscopes write words beside the first rows
     at = list(named)
     last = np.searchsorted(at, [part[0] for part in ranges]) - 1
-    return ranges, ["" if k < 0 else named[at[k]] for k in last]
+    return layout, ranges, ["" if k < 0 else named[at[k]] for k in last]
 
 
 def _chosen(ranges, names, channel):
@@ -211,7 +228,7 @@ def _chosen(ranges, names, channel):
     long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
     if channel is not None:
         channel = int(channel) if str(channel).isdigit() else channel
-        if channel == "all":
+        if channel == "all" and long:
             return long, []
         if channel not in range(1, len(long) + 1):
             raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
@@ -242,9 +259,19 @@ def _reject_bad(lines, rows, layout):
             raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
 
 
-def _width(lines, k, layout):
-    """The number of cells of a line."""
-    return lines[k].count(layout.separator) + 1 if layout.separator else len(lines[k].split())
+def _full_rows(lines, rows, layout):
+    """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
+    counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
+    width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
+    if counts.max() > MOST_COLUMNS:
+        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
+    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
+    rows, counts = rows[begun:], counts[begun:]
+    if counts.max() > width:
+        remedy = "use decimal points, or semicolons between columns"
+        line = int(rows[np.argmax(counts > width)]) + 1
+        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
+    return rows, width, begun
 
 
 def _cells(texts, layout, width, rows):

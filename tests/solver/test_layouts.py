@@ -1,5 +1,8 @@
 """Layouts that instruments and programs write: each is read right, or by the call that its refusal names."""
 
+import json
+import pickle
+
 import numpy as np
 import pytest
 
@@ -231,6 +234,20 @@ def test_what_is_no_measurement_is_named(beginning, what):
     for read in (read_profile, lambda content: read_measurement(Scene(), content)):
         with pytest.raises(DataError, match=f"^this is {what}"):
             read(content)
+
+
+def test_the_table_of_a_refusal_can_be_sent_as_json_and_the_refusal_to_another_process():
+    text = f"Machine 7\nZeit;Weg [mm];Stufe\n{rows(U, U / 1e6, ['a'] * U.size, sep=';')}"
+    with pytest.raises(DataError) as refused:
+        read_profile(text)
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (str(again), again.call) == (str(refused.value), {"columns": {"x": ..., "z": ...}})
+    table = json.loads(json.dumps(again.table.to_json(), allow_nan=False))
+    assert table["columns"][1:] == [
+        {"name": "Weg", "unit": "mm", "low": 0.0, "high": 3e-4},
+        {"name": "Stufe", "unit": None, "low": None, "high": None},
+    ]
+    assert table["above"][0] == "Machine 7" and table["rows"] == U.size and table["first"][0] == ["0", "0", "a"]
 
 
 def test_commas_that_may_separate_thousands_are_refused():
