@@ -2,12 +2,15 @@
 
 import json
 import pickle
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from solver import DataError, Scene, read_measurement, read_profile
 
+ROOT = Path(__file__).parents[2]
 X = np.linspace(0.0, 640.0, 257)  # nm
 Z = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # nm
 U = np.linspace(0.0, 300.0, 61)  # nm
@@ -254,3 +257,32 @@ def test_commas_that_may_separate_thousands_are_refused():
     text = "U_x (nm);F (N/m)\n" + "\n".join(f"{1000 + 5 * k:,};{k}" for k in range(40))
     with pytest.raises(DataError, match=r"^line 2: commas with three digits behind each may separate thousands"):
         read_measurement(Scene(), text)
+
+
+BEGINS = {  # heading of an example in docs/files.md: the columns below it
+    "Weg [µm];Höhe [nm]": (X / 1e3, Z),
+    "Height (nm)": (Z,),
+    "Position (um),Force (mN)": (np.append(U, U[::-1]) / 1e3, np.append(F, F[::-1] - 10.0)),
+    "Displacement (mm),Force (N)": (DELTA / 1e6, L),
+    "Zeit (ms);Kanal A (V)": (U, F / 10.0),
+    "Z-Sense (nm),T-B (V)": (-DOWN, LOAD / 400.0),
+    "Shear force (N),Area (mm2)": (F, 12.5 - F / 4.0),
+}
+EXAMPLES = re.findall(
+    r"^\| `([^`]*)`.* \| `(read_\w+\(.*\))` \|$", (ROOT / "docs/files.md").read_text(encoding="utf-8"), re.M
+)
+
+
+@pytest.mark.parametrize(("heading", "call"), EXAMPLES)
+def test_the_examples_of_the_documentation_are_refused_plainly_and_read_by_their_call(heading, call):
+    text = f"{heading}\n{rows(*BEGINS[heading], sep=';' if ';' in heading else ',')}"
+    names = {"file": text, "scene": Scene(), "read_profile": read_profile, "read_measurement": read_measurement}
+    with pytest.raises(DataError, match="; call read_"):
+        eval(re.sub(r"\bfile\b.*", "file)", call), names)
+    found = eval(call, names)
+    assert getattr(found, "length", 640.0) == pytest.approx(640.0)
+    assert getattr(found, "kind", None) in (None, "loop", "load", "friction", "area over force")
+
+
+def test_the_documentation_has_an_example_of_each_kind():
+    assert {heading for heading, _ in EXAMPLES} == BEGINS.keys()
