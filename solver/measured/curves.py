@@ -330,9 +330,10 @@ class _Reader:
             )
         deep, edge = np.argsort(delta), max(1, delta.size // 20)
         falls = np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]])
-        unsure = role not in ("delta", "height")
+        own = self.own.get(self.of["delta"])
+        unsure = own not in ("delta", "height")
         if "L" not in sign and (falls or (unsure and -L.min() > L.max())):
-            either = {} if role == "delta" or "delta" in sign else {"delta": ...}
+            either = {} if own == "delta" or "delta" in sign else {"delta": ...}
             why = "falls as the surfaces approach" if falls else "is negative where it is largest"
             reason = f"L {why}: {PULL}{DEPTH * bool(either)}"
             raise self._asked_sign({"L": ...} | either, reason)

@@ -1,6 +1,7 @@
 """Reads a measured profile, x and z in nm, and makes it periodic; reports what it did and what it rejects."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from io import StringIO
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -338,6 +339,8 @@ def _cut(points, width, part):
     if (enough := 2 * FEWEST_POINTS * apart) > LONG:
         middle = 0.5 * points.length
         call = {"part": (round(max(0.0, middle - 0.5 * enough)), int(min(points.length, middle + 0.5 * enough)))}
+        with suppress(SteepError):  # which names a cut-off once the part is given
+            _made(_between(points, *call["part"]), None, None, None, [])
         why = f"its points are {apart:.4g} nm apart: {LONG:g} nm, the most that is taken by itself, hold too few"
         raise DataError(
             f"{why}; give a part, but the nodes are then as far apart, which is the lattice period", call=call

@@ -59,7 +59,10 @@ class Table(NamedTuple):
 
     def __str__(self) -> str:
         listed = [f"{k} {_shown(column)}" for k, column in enumerate(self.columns[:8], 1)]
-        return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}"
+        words = [line for line in self.above if re.search(r"[^\W\d_]", line)]
+        named = any(column.name for column in self.columns) or not words
+        beside = "" if named else f"; above them: {' '.join(words[-1].split())[: 3 * SHOWN]!r}"
+        return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}{beside}"
 
     def to_json(self) -> dict[str, Any]:
         """The same as JSON has it, with null for no unit and for the range of words; long lines and cells are cut."""
