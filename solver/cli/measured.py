@@ -16,7 +16,7 @@ OF_PROFILES, OF_CURVES, SHARED = ("line", "cut_off"), ("kind", "sign", "deflecti
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
     """Adds the options of every file that is read, with profile=FILE or --measured FILE."""
-    columns = "names or numbers of columns, x=... z=... of a profile, U_x=... F=... of a curve"
+    columns = "names or numbers of columns, x=... z=... of a profile, U_x=... F=... of a curve; none for none"
     parser.add_argument("--columns", nargs="+", metavar="NAME=COLUMN", help=columns)
     parser.add_argument("--units", nargs="+", metavar="NAME=UNIT", help="their units; UNIT alone for all of a profile")
     part = "only this part, nm: of the curve with --measured, else of the profile"
@@ -80,6 +80,8 @@ def reading(arguments: argparse.Namespace) -> dict[str, Any]:
         if name == "units":  # one alone is that of x and z
             texts = [text if "=" in text else f"={text}" for text in texts]
         found |= {name: settings(texts, f"--{name}", form, "")} if texts else {}
+    if "columns" in found:
+        found["columns"] = {role: None if text == "none" else text for role, text in found["columns"].items()}
     if "sign" in found:
         found["sign"] = {name: _number(text) for name, text in found["sign"].items()}
     return found
@@ -115,4 +117,4 @@ def _in_words(error):
 
 
 def _shown(value):
-    return "..." if value is ... else f"{value:g}" if isinstance(value, float) else str(value)
+    return {...: "...", None: "none"}.get(value, f"{value:g}" if isinstance(value, float) else str(value))

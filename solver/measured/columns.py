@@ -7,8 +7,8 @@ from os import PathLike
 from typing import Any
 
 from ..surfaces import DataError
-from .tables import Block, Column, Table
-from .units import parted
+from .tables import Block, Table
+from .units import is_unit, parted
 
 Given = Mapping[str, str | int | None]
 
@@ -60,31 +60,46 @@ def _index(table, role, wanted):
     return at[0]
 
 
-def called(table: Table, index: int | None) -> str | int:
-    """How the argument `columns` names a column: by its name, or else its number."""
+def called(table: Table, index: int | None) -> str | int | None:
+    """How the argument `columns` names a column: by its name, or else its number; None for none."""
+    if index is None:
+        return None
     names = [column.name for column in table.columns]
-    return names[index] if names[index] and names.count(names[index]) == 1 else index + 1  # type: ignore[index,operator]
+    return names[index] if names[index] and names.count(names[index]) == 1 else index + 1
 
 
-def asked(table: Table, reason: str, of: Mapping[str, int | None], needed: Sequence[str], **more: Any) -> DataError:
-    """The DataError that shows a table and asks for what is not known of the `needed` roles.
+def asked(
+    table: Table,
+    reason: str,
+    of: Mapping[str, int | None],
+    known: Mapping[str, Mapping[str, float]],
+    units: Mapping[str, str],
+    **more: Any,
+) -> DataError:
+    """The DataError that shows a table and asks for the columns and units that are not known of some roles.
 
-    of: {role: index} of what is known. more: other arguments of the call that would read the file.
+    of: {role: index, or None for none} of what is known. known: {role: the units that it may have} of all.
+    units: {role: unit} as given. more: other arguments of the call that would read the file.
     """
-    columns = {role: ... if of.get(role) is None else called(table, of[role]) for role in needed}
-    unclear = {"columns": columns} if ... in columns.values() else {}
-    return DataError(f"{reason}; {table}", table=table, call=unclear | more)
+    columns = {role: called(table, of[role]) if role in of else ... for role in known}
+    rest = [column.unit for k, column in enumerate(table.columns) if k not in of.values()]
+    wanted: dict[str, Any] = {}
+    for role, allowed in known.items():
+        k = of.get(role)
+        own = rest if role not in of else [] if k is None else [table.columns[k].unit]
+        suited = [unit for unit in own if is_unit(unit, allowed)]
+        if role in units or role in of or not suited:  # a column to come brings its own unit
+            wanted[role] = units.get(role, suited[0] if suited else ...)
+    call = {
+        name: values for name, values in (("columns", columns), ("units", wanted)) if {..., None} & {*values.values()}
+    }
+    return DataError(f"{reason}; {table}", table=table, call=call | more)
 
 
 def not_used(block: Block, used: Sequence[int | None]) -> list[str]:
     """[a note on columns that are not used]."""
     rest = [column.name or f"column {k}" for k, column in enumerate(block.table.columns, 1) if k - 1 not in used]
     return [f"Not used: {', '.join(rest[:3])}{' ...' * (len(rest) > 3)}."] if rest else []
-
-
-def unit_of(column: Column, role: str, units: Mapping[str, str], unit: str | None = None) -> str | None:
-    """The unit of a column as given, or as the file names it; None where neither does."""
-    return units.get(role, unit or column.unit)
 
 
 def for_user(error: DataError, function: str, source: Any, options: Mapping[str, Any]) -> DataError:

@@ -4,7 +4,6 @@ import re
 from collections.abc import Mapping
 from itertools import groupby
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -16,16 +15,27 @@ from .columns import Given, asked, called, checked, for_user, given, not_used, r
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
 from .tables import SHOWN, Block, Source, listed, read_table
-from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor
+from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor, is_unit
 
-NEEDED = "U_x (nm) and F (N/m), or F_bar; time and F; delta and L; F and A; U_x and A"
+NEEDED_BY = {
+    "friction": "U_x and F of friction, or time and F with a speed",
+    "load": "delta and L of a load",
+    "area": "A over F, L or U_x",
+}
+NEEDED = "; ".join(NEEDED_BY.values())
 KINDS = ("friction", "loop", "load", "area")
 ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
 NAMED = {  # what a heading may say, in small letters without blanks and signs
     "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
-    "displacement": ("displacement",),  # along the surface or into it: the other column or `kind` tells
+    "displacement": (
+        "displacement",
+        "position",
+        "extension",
+        "crosshead",
+        "distance",
+    ),  # along the surface or into it: the other column or `kind` tells
     "F_bar": ("fbar",),
-    "F": ("fx", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
+    "F": ("fx", "fy", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
     "force": ("f", "force"),  # F beside U_x or an area; L beside delta or a height
     "L_bar": ("lbar",),
     "L": ("l", "fz", "fn", "load", "normalload", "normalforce", "verticaldeflection", "vdeflection"),
@@ -33,7 +43,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
     "height": ("height", "heightmeasured", "gap", "separation", "tipsampleseparation"),  # falls as delta grows
-    "position": ("z", "zsense", "zsensor", "zposition", "piezo", "position", "normaldisplacement"),  # either way
+    "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
     "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
@@ -62,8 +72,13 @@ PART_OF = {word: part for part, words in PARTS.items() for word in words}
 OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move": "forth"}  # others keep their name
 FORCES_TOLD = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
+UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
 SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?([^",]{1,60})')
+SPRING = "spring|force con|stiffn"
 MOST_SAID = 100
+MOST_PULLS = 0.95  # of the points: a load that is negative at more is likely counted downwards
+PULL = "a pull (sign 1), or counted downwards (sign -1)?"
+DEPTH = " And does delta grow (1) or fall (-1) to contact?"
 
 
 def read_measurement(
@@ -101,22 +116,15 @@ def read_measurement(
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r:.60}: allowed: a Scene; the order is read_measurement(scene, source)")
-    options: dict[str, Any] = {
-        "speed": speed,
-        "force": force,
-        "kind": kind,
-        "columns": columns,
-        "units": units,
-        "part": part,
-    }
-    options |= {"sign": sign, "deflection": deflection, "channel": channel}
+    how = SimpleNamespace(speed=speed, force=force, kind=kind, columns=columns, units=units, part=part, sign=sign,
+                          deflection=deflection, channel=channel)  # fmt: skip
     try:
         if kind is not None and kind not in KINDS:
             raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
         block = source if isinstance(source, Block) else read_table(source, NEEDED, channel)
-        return _Reader(scene, block, SimpleNamespace(**options)).read()
+        return _Reader(scene, block, how).read()
     except DataError as error:
-        raise for_user(error, "read_measurement(scene, ", source, options) from None
+        raise for_user(error, "read_measurement(scene, ", source, vars(how)) from None
 
 
 class _Reader:
@@ -202,19 +210,25 @@ class _Reader:
             return DataError(f"{reason} {table}", table=table, call={"kind": ...})
         if not kind and {"time", "force"} <= known.keys():
             return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
-        reason = "which column is what is not certain; needed: U_x (or time) and F, delta and L, or A over one of these"
-        if not kind and not {*known, *self.several} - {"time", "stage", "segment"}:
-            return DataError(f"{reason}; {table}", table=table, call={"kind": ...})
+        reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & {*known, *self.several}
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
         names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
-        if kind == "friction" and "time" in known and "U_x" not in known:
+        deep = {known[role] for role in DEEP if role in known}
+        along = [k for k, column in enumerate(table.columns) if is_unit(column.unit) and k not in deep]
+        if kind == "friction" and "time" in known and not along and "U_x" not in known:
             names = ("time", "F")
-        roles = dict(zip(names, MEANT[kind], strict=True))
-        of = {name: next((known[each] for each in roles[name] if each in known), None) for name in names}
-        units = {name: (k is not None and table.columns[k].unit) or ... for name, k in of.items()}
-        own = sum(bool(column.unit) for column in table.columns) > 1
-        return asked(table, reason, of, names, **({} if own else {"units": units}))
+        more = {"speed": ...} if "time" in names and self.how.speed is None else {}
+        over, values = MEANT[kind]
+        roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
+        at = {name: [known[each] for each in roles[name] if each in known] for name in names}
+        of = {name: found[0] for name, found in at.items() if found}
+        return self._asked(reason, of, names, **more)
+
+    def _asked(self, reason, of, names, **more):
+        """The DataError for the columns and units of quantities."""
+        known = {name: UNITS_OF.get(name, LENGTHS) for name in names}
+        return asked(self.table, reason, of, known, self.how.units, **more)
 
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
@@ -222,10 +236,8 @@ class _Reader:
         wanted = self.how.units.get(name)
         if role.endswith("_bar"):
             return 1.0, "w" if name == "A" else "w E"
-        kinds = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}
-        known = kinds.get(name, LENGTHS)
-        own = column.unit or ""
-        own = own if own in known or (known is LENGTHS and own.lower() in known) else None
+        known = UNITS_OF.get(name, LENGTHS)
+        own = column.unit if is_unit(column.unit, known) else None
         if self.how.force is not None and name in "FL" and name in self.of:
             if own in PER_WIDTH or own == "F_s":
                 raise DataError(f"force = {self.how.force:g}, but {column.name} is in {own}; leave force out")
@@ -233,7 +245,7 @@ class _Reader:
         unit = wanted or own
         if unit is None:
             return None
-        allowed = ALLOWED if known is LENGTHS else ", ".join(known)
+        allowed = ALLOWED if "nm" in known else ", ".join(known)
         times = factor(unit, known, allowed, f"units[{name!r}]" if wanted else column.name)
         if wanted and own and factor(own, known) != times:
             raise DataError(
@@ -261,12 +273,9 @@ class _Reader:
         self.rows &= complete
         if not self.rows.any():
             raise DataError(f"no row has numbers in all of {', '.join(self.of)}; needed: {NEEDED}")
-        used = [
-            *self.of.values(),
-            *(self.known[role] for role in ("stage", "segment", "L", "L_bar") if role in self.known),
-        ]
         if self.stages is None:
-            self.notes += not_used(self.block, used)
+            beside = [self.known[role] for role in ("stage", "segment") if role in self.known]
+            self.notes += not_used(self.block, [*self.of.values(), *beside])
         self.notes += self.block.notes
         return dict(zip(self.of, values[self.rows].T, strict=True)), np.flatnonzero(self.rows)
 
@@ -280,11 +289,7 @@ class _Reader:
             if unit and name == "A" and re.search("[²2]", unit):
                 whys.append("divide it by its value without shear, and write A/A_0")
         over = [name for name in self._needed() if not self.role[name].endswith("_bar")]
-        units = {name: ... if name in missing else self._own(name) for name in over}
-        return asked(self.table, "; ".join(whys), self.of, self._needed(), units=units)
-
-    def _own(self, name):
-        return self.how.units.get(name) or self.table.columns[self.of[name]].unit
+        return self._asked("; ".join(whys), self.of, over)
 
     def _turned(self, values):
         """The quantities with their signs, without the deflection of the lever; asks for a sign that may be wrong."""
@@ -295,8 +300,8 @@ class _Reader:
             values[name] = by * values[name]
         if self.kind == "load":
             self._approaching(values, sign)
-        elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > 0.95:
-            raise self._asked_sign({"L": ...}, "L is negative: a pull (sign 1), or counted downwards (sign -1)?")
+        elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > MOST_PULLS:
+            raise self._asked_sign({"L": ...}, f"L is negative: {PULL}")
         if self.how.deflection is not None:
             k = self.how.deflection
             if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
@@ -304,7 +309,14 @@ class _Reader:
                     f"deflection = {k!r}: allowed: above 0, N/m, of a load in N; leave it out, or give units"
                 )
             values["delta"] = values["delta"] - 1e9 * values["L"] / k
+        elif self.kind == "load":
+            self.notes += [f"{spring}: the lever is in delta; deflection takes it off." for spring in self._spring()]
         return values
+
+    def _spring(self):
+        """[what the file says of the stiffness of a lever]."""
+        said = (f"{key} = {text}" for key, text in self.said.items() if re.search(SPRING, key, re.I))
+        return [f"The file says {text}" for text in said][:1]
 
     def _approaching(self, values, sign):
         """Gives delta the sign with which it grows as the surfaces approach; asks where it may be either."""
@@ -313,20 +325,20 @@ class _Reader:
             delta = values["delta"] = -delta
         far = delta[0]
         if role == "position" and "delta" not in sign:
-            spring = [
-                f"{key} = {text}" for key, text in self.said.items() if re.search("spring|force con|stiffn", key, re.I)
-            ]
-            beside = f"; the file says {spring[0]}: give it as deflection, which takes the lever off" if spring else ""
+            beside = "".join(f" {spring}: deflection takes the lever off." for spring in self._spring())
             likely = -1 if delta[np.argmax(L)] < far else 1
             raise self._asked_sign(
                 {"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?{beside}"
             )
-        deep = np.argsort(delta)
-        edge = max(1, delta.size // 20)
-        if "L" not in sign and np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]]):
-            raise self._asked_sign(
-                {"L": ...}, "L falls as the surfaces approach: a pull (sign 1), or counted downwards (-1)?"
-            )
+        deep, edge = np.argsort(delta), max(1, delta.size // 20)
+        falls = np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]])
+        own = self.own.get(self.of["delta"])
+        unsure = own not in ("delta", "height")
+        if "L" not in sign and (falls or (unsure and -L.min() > L.max())):
+            either = {} if own == "delta" or "delta" in sign else {"delta": ...}
+            why = "falls as the surfaces approach" if falls else "is negative where it is largest"
+            reason = f"L {why}: {PULL}{DEPTH * bool(either)}"
+            raise self._asked_sign({"L": ...} | either, reason)
 
     def _title(self, name):
         return repr(self.table.columns[self.of[name]].name[:SHOWN])

@@ -16,13 +16,10 @@ from .units import factor
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 MISSING = 1e9  # nm: heights beyond are marks of missing points
-BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: |\\\*File list")  # of files in text
+BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: .*\r?\n# Width: |\\\*File list")  # of files in text
 UNREAD = (  # what a file is that the library cannot read: a test of its content, and what to do
     (lambda raw: raw[:2] == b"PK" and b"/main.xml" in raw, "an X3P in a folder; zip the files without their folder"),
     (lambda raw: raw[:12] == b"DSCOMPRESSED", "a compressed SUR; save it without compression"),
-    (lambda raw: not raw.strip(b"\0"), "an empty file"),
-    (lambda raw: raw[:5] == b"%PDF-" or raw[:4] == b"\x7fELF" or raw[:2] == b"MZ", "no measurement"),
-    (lambda raw: raw[:8] == b"\x89PNG\r\n\x1a\n" or raw[:3] == b"\xff\xd8\xff", "a picture, whose heights are lost"),
 )
 LINE = re.compile(r"(row|column) (\d{1,6})")
 
@@ -60,9 +57,10 @@ def read_line(
     except DataError:
         raise
     except Exception as error:  # each of some fifty readers raises errors of its own
-        raise DataError(
-            f"no known file of an instrument ({type(error).__name__}); export it as CSV of x and z"
-        ) from None
+        what = (
+            "an archive without a known file; unpack it" if content[:2] == b"PK" else "no known file of an instrument"
+        )
+        raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
     found = surface.unit
     if found is None and unit is None:
         raise DataError("the file names no unit of length; give it, as in unit='um'", call={"unit": ...})
@@ -87,6 +85,8 @@ def _channel(reader: Any, wanted: str | int | None) -> int:
     names = [channel.name or f"channel {k}" for k, channel in enumerate(reader.channels, 1)]
     if wanted is None and len(names) == 1:
         return 0
+    if not names:
+        raise DataError("the file holds no heights; export it as CSV of x and z")
     listed = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
     if wanted is None:
         raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=names)

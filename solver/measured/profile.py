@@ -1,6 +1,7 @@
 """Reads a measured profile, x and z in nm, and makes it periodic; reports what it did and what it rejects."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from io import StringIO
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -11,11 +12,11 @@ from numpy.typing import NDArray
 from ..scene import LIMITS
 from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
 from ..text import counted
-from .columns import Given, asked, checked, for_user, given, not_used, recognised
+from .columns import Given, asked, checked, for_user, given, not_used, plain, recognised
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Block, Source, content_of, listed, read_table
-from .units import ALLOWED, factor, mentioned, units_above
+from .units import ALLOWED, factor, is_unit, mentioned, named_unit, units_above
 from .units import LENGTHS as NM
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
@@ -26,6 +27,7 @@ SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printe
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 NEEDED = "two columns: x, z in nm"
+COUNTED = 'take none for x: the rows are counted, and the unit of x is their distance, as "2.5 nm"'
 NAMED = {  # names of columns in small letters without blanks and signs
     "x": ("x", "distance", "lateral", "length", "position", "xposition", "lateralposition", "scanposition"),
     "z": ("z", "height", "raw", "profile", "zheight", "profileheight", "rawheight"),
@@ -99,8 +101,9 @@ def read_profile(
 
     Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; or a Block of
     `read_table`.
-    columns: {"x": ..., "z": ...}, each the name of a column or its number from 1 on, where names do not tell. units:
-    {"x": "um", "z": "nm"}, also "0.5 um"; unit: one for both. The file's own units need none.
+    columns: {"x": ..., "z": ...}, each the name of a column or its number from 1 on, where names do not tell; x is None
+    for rows at equal distances. units: {"x": "um", "z": "nm"}, also "0.5 um", which is the distance of rows that are
+    counted; unit: one for both. The file's own units need none.
     width: use only the middle part of this width, nm. part: use only that from .. to, nm from the first point. Of more
     than LONG the middle PART is used, unless width or part is given.
     periodic: whether the points are one period, with or without its first point repeated at the end; by default that is
@@ -159,8 +162,10 @@ def _with_cut_off(error, points, periodic, width):
     """The SteepError with the least cut-off, to two digits, with which the profile is read to its end."""
     period = _period(points, periodic)
     spacing, z = _even(_closed(points, period) if period else points)
-    cut_off = least_cut_off(z[:-1] if period else z, spacing, STEEPEST, bool(period))
-    while cut_off and (cut_off := float(f"{1.1 * cut_off:.2g}")) < 0.5 * points.length:
+    most = float(f"{0.499 * points.length:.4g}")
+    cut_off, last = least_cut_off(z[:-1] if period else z, spacing, STEEPEST, bool(period)) or most, None
+    while cut_off != last:
+        last, cut_off = cut_off, min(float(f"{1.1 * cut_off:.2g}"), most)
         try:
             _made(points, periodic, width, cut_off, [])
         except DataError:
@@ -190,7 +195,8 @@ def _of_table(block, how):
     """As `_points`, of a Block."""
     x_z = _x_and_z(block.table, how)
     units = _units(block.table, x_z, how)
-    x, z = (block.numbers(role, x_z[role]) * factor(units[role]) for role in "xz")
+    numbers = {role: np.arange(block.table.rows) if k is None else block.numbers(role, k) for role, k in x_z.items()}
+    x, z = (numbers[role] * factor(units[role]) for role in "xz")
     lines, x, z, left_out = _complete(block.lines, x, z)
     for name, values in (("x", x), ("z", z)):
         large = np.flatnonzero(np.abs(values) > 1e9)  # a metre: the unit is wrong
@@ -206,56 +212,63 @@ def _of_table(block, how):
 
 
 def _x_and_z(table, how):
-    """{"x": index, "z": index}, by name or as given; two columns without names are x and z. Raises DataError."""
-    of = given(table, how.columns, "xz")
+    """{"x", "z": index}, by name or as given; x is None for rows at equal distances. Raises DataError."""
+    own = given(table, how.columns, "xz")
     checked("units", how.units, "xz")
-    if len(table.columns) < 2:
-        raise DataError(f"one column, two are needed: {NEEDED}", None, table)
     known, several = recognised(table, NAMED)
-    if len(table.columns) == 2 and not any(column.name for column in table.columns):
+    unnamed = not any(column.name for column in table.columns)
+    if len(table.columns) == 2 and unnamed:
         known = {"x": 0, "z": 1}
-    if "z" not in {*known, *several} and "y" in known:  # of x, y; of x, y, z it is another coordinate
-        known["z"] = known["y"]
-    of = {role: known.get(role) for role in "xz"} | of
-    if None in of.values() or of["x"] == of["z"]:
-        many = len(table.columns) > 2 and not any(column.name for column in table.columns)
-        matrix = "; if this is a map of heights, save one line of it as x and z" * many
-        unclear = [role for role in "xz" if of[role] is None]
-        reason = f"which column is {' and which '.join(unclear) or 'z'} is not certain{matrix}"
-        raise asked(table, reason, of, "xz", **_unit_call(table, of, how))
+    rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
+    if "z" not in {*known, *several} and not any(named_unit(column.unit or "") for column in rest):
+        known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
+    of = {role: known[role] for role in "xz" if role in known} | own
+    if len(table.columns) == 1 and "x" not in own:
+        raise _asked(table, f"one column, two are needed: {NEEDED}; or {COUNTED}", {"x": None, "z": 0}, how)
+    if len(of) < 2 or of["x"] == of["z"] or of["z"] is None:
+        matrix = f"; if this is a map of heights, save one line of it as x and z, or {COUNTED}"
+        unclear = [role for role in "xz" if role not in of] or ["z"]
+        reason = f"which column is {' and which '.join(unclear)} is not certain"
+        of = {role: k for role, k in of.items() if role not in unclear}
+        raise _asked(table, reason + matrix * (len(table.columns) > 2 and unnamed), of, how)
     return of
 
 
 def _named_units(table, of, how):
     """{"x", "z": unit or None} of two columns: as given, in the heading, or in a line above."""
-    above = units_above(table.above)
-    own = {role: None if k is None else table.columns[k].unit for role, k in of.items()}
-    return {role: how.units.get(role, how.unit) or own[role] or above.get(role) for role in of}
+    file = units_above(table.above) | {role: table.columns[k].unit for role, k in of.items()
+                                       if k is not None and table.columns[k].unit}  # fmt: skip
+    of_file = {role: file.get(role) if of.get(role, role) is not None else None for role in "xz"}
+    return {role: _given_unit(role, of, how) or unit for role, unit in of_file.items()}
+
+
+def _given_unit(role, of, how):
+    """The unit that an argument gives; `unit` is none of rows that are counted."""
+    return how.units.get(role, how.unit if of.get(role, role) is not None else None)
+
+
+def _asked(table, reason, of, how):
+    """The DataError that asks for columns and units that are not known."""
+    units = _named_units(table, of, how)
+    sure = {role: unit for role, unit in units.items() if is_unit(unit) or _given_unit(role, of, how)}
+    return asked(table, reason, of, {"x": NM, "z": NM}, sure)
 
 
 def _units(table, of, how):
     """{"x", "z": unit} of two columns; raises DataError where one is not known, or another one is given."""
     found, file = (_named_units(table, of, each) for each in (how, How()))
     for role, unit in found.items():
-        given_one = how.units.get(role, how.unit)
+        given_one = _given_unit(role, of, how)
         if given_one is not None:
             nm = factor(given_one, name="unit" if how.unit else f"units[{role!r}]")
-            if file[role] and file[role].lower() in NM and factor(file[role]) != nm:
+            if is_unit(file[role]) and factor(file[role]) != nm:
                 raise DataError(
                     f"unit = {given_one!r}, but the file names {file[role]}; leave unit out, or correct the file"
                 )
-        elif not unit or unit.lower() not in NM:
+        elif not is_unit(unit):
             why = f"{role} in {unit[:SHOWN]!r}; allowed units: {ALLOWED}" if unit else f"{role} has no unit"
-            why += "" if unit else mentioned(table.above)
-            raise asked(table, why, of, "xz", **_unit_call(table, of, how))
+            raise _asked(table, why + ("" if unit else mentioned(table.above)), of, how)
     return found
-
-
-def _unit_call(table, of, how):
-    """The argument `units` of the call that reads a table; {} where the file names all of them."""
-    known = {role: unit if unit and unit.lower() in NM else ... for role, unit in _named_units(table, of, how).items()}
-    own = None in of.values() and sum((column.unit or "").lower() in NM for column in table.columns) > 1
-    return {} if how.unit or own or ... not in known.values() else {"units": known}
 
 
 def _complete(lines, x, z):
@@ -333,6 +346,8 @@ def _cut(points, width, part):
     if (enough := 2 * FEWEST_POINTS * apart) > LONG:
         middle = 0.5 * points.length
         call = {"part": (round(max(0.0, middle - 0.5 * enough)), int(min(points.length, middle + 0.5 * enough)))}
+        with suppress(SteepError):  # which names a cut-off once the part is given
+            _made(_between(points, *call["part"]), None, None, None, [])
         why = f"its points are {apart:.4g} nm apart: {LONG:g} nm, the most that is taken by itself, hold too few"
         raise DataError(
             f"{why}; give a part, but the nodes are then as far apart, which is the lattice period", call=call

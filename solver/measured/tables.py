@@ -1,5 +1,6 @@
 """Tables in text files: the block of numbers, its columns with names and units, and the lines above it."""
 
+import csv
 import re
 from collections.abc import Callable, Sequence
 from io import StringIO
@@ -18,12 +19,20 @@ MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
 MOST_COLUMNS = 100
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
 MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
+OTHERS = {  # what a file is that begins so, and holds no measurement
+    "a picture, whose heights are lost; export them as CSV": (b"\x89PNG\r\n", b"\xff\xd8\xff", b"GIF8", b"RIFF"),
+    "a PDF; export its numbers as CSV": (b"%PDF-",),
+    "an archive; unpack it": (b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!", b"BZh", b"\xfd7zXZ"),
+    "a program; choose a file of a measurement": (b"\x7fELF", b"MZ\x90", b"\xcf\xfa\xed\xfe"),
+}
 SHOWN = 40  # characters of a cell in a message
 FIRST = 5  # rows that a refusal shows
 SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
 LONGEST = 8  # rows of a table that counts beside another one
 LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
-BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?')
+COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
+BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
+DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
 FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
 
 _DIGITS = {",": r"(?:\d++\.?\d*+|\.\d++)", "": r"(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)"}
@@ -50,7 +59,23 @@ class Table(NamedTuple):
 
     def __str__(self) -> str:
         listed = [f"{k} {_shown(column)}" for k, column in enumerate(self.columns[:8], 1)]
-        return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}"
+        words = [line for line in self.above if re.search(r"[^\W\d_]", line)]
+        named = any(column.name for column in self.columns) or not words
+        beside = "" if named else f"; above them: {' '.join(words[-1].split())[: 3 * SHOWN]!r}"
+        return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}{beside}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The same as JSON has it, with null for no unit and for the range of words; long lines and cells are cut."""
+        columns = [column._asdict() for column in self.columns]
+        for column in columns:
+            column |= {name: None for name in ("low", "high") if column[name] != column[name]}
+        first = [[cell[:SHOWN] for cell in row] for row in self.first]
+        return {
+            "columns": columns,
+            "first": first,
+            "above": [line[:200] for line in self.above[-20:]],
+            "rows": self.rows,
+        }
 
 
 class Block(NamedTuple):
@@ -82,6 +107,10 @@ class Layout(NamedTuple):
 
     def split(self, line: str) -> list[str]:
         return [cell.strip(' "') for cell in line.split(self.separator or None)]
+
+    def width(self, line: str) -> int:
+        """The number of cells of a line."""
+        return line.count(self.separator) + 1 if self.separator else len(line.split())
 
 
 def _numeric(separator):
@@ -116,30 +145,16 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
     Returns a Block. Raises DataError.
     """
-    raw = _text(source).split("\n")
-    if len(raw) > MOST_LINES or max(map(len, raw)) > LONGEST_LINE:
-        most = f"up to {MOST_LINES} lines of {LONGEST_LINE} characters"
-        raise DataError(
-            f"{len(raw)} lines, the longest of {max(map(len, raw))} characters; allowed: {most}; thin it out"
-        )
+    raw = _lines(_text(source))
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
     layout = _layout(lines)
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
-    ranges, names = _ranges(raw, lines, layout)
+    layout, ranges, names = _ranges(raw, lines, layout)
     chosen, others = _chosen(ranges, names, channel)
     rows = np.concatenate([ranges[k] for k in chosen])
     _reject_bad(lines, rows, layout)
-    counts = _counts(lines, rows, layout)
-    width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
-    if counts.max() > MOST_COLUMNS:
-        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
-    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
-    rows, counts = rows[begun:], counts[begun:]
-    if counts.max() > width:
-        remedy = "use decimal points, or semicolons between columns"
-        line = int(rows[np.argmax(counts > width)]) + 1
-        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
+    rows, width, begun = _full_rows(lines, rows, layout)
     cells = _cells([lines[k] for k in rows], layout, width, rows)
     above = tuple(line for line in raw[: rows[0]] if line.strip())
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
@@ -150,6 +165,16 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
     block = Block(table, [cells[k] for k in kept], rows + 1, _notes(ranges, others, rows))
     return _with_segments(block, names, ranges, chosen, begun)
+
+
+def _lines(text):
+    """The lines of a text; raises DataError for too many or too long ones."""
+    count = text.count("\n") + 1
+    lines = text.split("\n") if count <= MOST_LINES else []
+    if not lines or max(map(len, lines)) > LONGEST_LINE:
+        most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
+        raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
+    return lines
 
 
 def _layout(lines):
@@ -170,11 +195,14 @@ def _layout(lines):
 
 
 def _ranges(raw, lines, layout):
-    """([indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
+    """(Layout, [indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
     is_row = layout.is_row
     row = np.fromiter((bool(line) and bool(is_row(line)) for line in lines), bool, len(lines))
-    named = {k: match[2].strip() for k, line in enumerate(raw) if line[:1] == "#" and (match := LABEL.match(line))
-             and match[1].lower() == "segment"}  # fmt: skip
+    labels = [(k, match[1].lower(), match[2].strip()) for k, line in enumerate(raw)
+              if line[:1] == "#" and (match := LABEL.match(line))]  # fmt: skip
+    named = {k: text for k, label, text in labels if label == "segment"}
+    if len({text for _, label, text in labels if label == "columns"}) > 1:
+        named = dict.fromkeys(named, "")  # tables of other columns are no segments of one
     text = [k for k, line in enumerate(lines) if (line and not row[k]) or k in named]
     rows = np.flatnonzero(row)
     digits = [bool(re.search(r"\d", lines[k])) for k in rows[:50]]  # lines of dashes are none
@@ -182,9 +210,18 @@ def _ranges(raw, lines, layout):
     groups = np.searchsorted(text, rows)
     cuts = np.flatnonzero(np.diff(groups)) + 1
     ranges = [part for part in np.split(rows, cuts) if part.size]
+    k = ranges[0][0] if ranges else 0
+    beside = MIXED[NUMERIC.index(layout)] if layout in NUMERIC else layout
+    if (
+        k
+        and beside is not layout
+        and beside.is_row(lines[k - 1])
+        and layout.width(lines[k - 1]) == layout.width(lines[k])
+    ):
+        return _ranges(raw, lines, beside)  # some oscilloscopes write words beside the first rows
     at = list(named)
     last = np.searchsorted(at, [part[0] for part in ranges]) - 1
-    return ranges, ["" if k < 0 else named[at[k]] for k in last]
+    return layout, ranges, ["" if k < 0 else named[at[k]] for k in last]
 
 
 def _chosen(ranges, names, channel):
@@ -194,8 +231,10 @@ def _chosen(ranges, names, channel):
     long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
     if channel is not None:
         channel = int(channel) if str(channel).isdigit() else channel
+        if channel == "all" and long:
+            return long, []
         if channel not in range(1, len(long) + 1):
-            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table; give one")
+            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
         return [long[channel - 1]], []
     if len(long) > 1 and not all(names[k] for k in long):
         begin = [str(ranges[k][0] + 1) for k in long]
@@ -224,11 +263,19 @@ def _reject_bad(lines, rows, layout):
             raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
 
 
-def _counts(lines, rows, layout):
-    """The number of cells of each row."""
-    if layout.separator:
-        return np.fromiter((lines[k].count(layout.separator) + 1 for k in rows), int, rows.size)
-    return np.fromiter((len(lines[k].split()) for k in rows), int, rows.size)
+def _full_rows(lines, rows, layout):
+    """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
+    counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
+    width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
+    if counts.max() > MOST_COLUMNS:
+        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
+    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
+    rows, counts = rows[begun:], counts[begun:]
+    if counts.max() > width:
+        remedy = "use decimal points, or semicolons between columns"
+        line = int(rows[np.argmax(counts > width)]) + 1
+        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
+    return rows, width, begun
 
 
 def _cells(texts, layout, width, rows):
@@ -243,6 +290,9 @@ def _cells(texts, layout, width, rows):
     if commas and not words and "." in text:
         k = next(k for k, line in enumerate(texts) if "," in line)
         raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
+    if commas and not words and not DECIMAL.search(text):
+        line = int(rows[next(k for k, line in enumerate(texts) if "," in line)]) + 1
+        raise DataError("commas with three digits behind each may separate thousands; write decimal points", line)
     frame = read_csv(
         StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
         decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
@@ -268,22 +318,36 @@ def _range(cells):
 
 
 def _heading(above, layout, sizes):
-    """([units or None], [names]) of the columns: what the file labels so, or the line above the first row."""
+    """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
     labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
     named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
-    lettered = [line.strip("# \t") for line in reversed(above) if re.search(r"[^\W\d_]", line)]
-    for line in lettered[:2] if named is None else ():
-        cells = _split(line, layout, sizes)
+    near = _near(above, layout, sizes) if named is None else []
+    unit_row = next((k for k, cells in enumerate(near) if all(map(_may_be_unit, cells))), None)
+    if unit_row is not None:  # names stand above it, with comments below, or else below it
+        units = [plain_unit(cell.strip(BRACKETS)) for cell in near.pop(unit_row)]
+        near = near[unit_row:] or near
+    both = [parted(cell) for cell in named or (near[0] if near else [""] * sizes[1])]
+    below = units or [""] * sizes[1]
+    # two units of one column make one that is not known, and is asked for
+    each = [
+        " or ".join(dict.fromkeys(filter(None, pair))) for pair in zip((own for _, own in both), below, strict=True)
+    ]
+    return [unit or None for unit in each], [name for name, _ in both]
+
+
+def _near(above, layout, sizes):
+    """[cells] of the lines next to the first row that have words in each column, the lowest first."""
+    near = []
+    for line in [line for line in reversed(above) if re.search(r"[^\W\d_]", line)][:3]:
+        cells = _split(line.strip(COMMENT), layout, sizes)
         if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
             break
-        if units is None and all(not cell or named_unit(cell) or cell[0] in "[({" for cell in cells):
-            units = [plain_unit(cell.strip("[](){} ")) for cell in cells]  # a row of units
-            continue
-        named = cells
-        break
-    both = [parted(cell) for cell in named or [""] * sizes[1]]
-    below = units or [""] * sizes[1]
-    return [own or (other or None) for (_, own), other in zip(both, below, strict=True)], [name for name, _ in both]
+        near.append(cells)
+    return near
+
+
+def _may_be_unit(cell):
+    return not cell or named_unit(cell) or cell[0] in BRACKETS
 
 
 def _split(line, layout, sizes):
@@ -294,8 +358,10 @@ def _split(line, layout, sizes):
     filled, width = sizes
     if not line or len(line) > 200 * width:
         return None
-    cut = [line.split(mark) for mark in (layout.separator or "\t", ";", "\t", ",", "  ")]
-    for cells in (*cut, [] if re.search("[;\t]", line) else BLANKS.findall(line)):
+    marks = dict.fromkeys((layout.separator or "\t", ";", "\t", ","))
+    quoted = [next(csv.reader([line], delimiter=mark, skipinitialspace=True)) for mark in marks]
+    blanks = [] if re.search("[;\t]", line) else BLANKS.findall(line)
+    for cells in (*quoted, re.split(" {2,}", line), blanks):
         cells = [" ".join(cell.split()).strip(' "') for cell in cells]
         while len(cells) > filled and not cells[-1]:
             cells.pop()
@@ -306,7 +372,7 @@ def _split(line, layout, sizes):
 
 def _with_segments(block, names, ranges, chosen, begun):
     """The Block with a column `segment` where lines between its tables name them."""
-    if len(chosen) < 2:
+    if not all(names[k] for k in chosen) or len(chosen) < 2:
         return block
     words = np.concatenate([np.full(ranges[k].size, names[k], object) for k in chosen])[begun:]
     columns = (*block.table.columns, Column("segment", None, np.nan, np.nan))
@@ -326,6 +392,12 @@ def content_of(source: Source) -> str | bytes:
         content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
         raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
+    if isinstance(content, bytes):
+        for what, beginnings in OTHERS.items():
+            if content.startswith(beginnings):
+                raise DataError(f"this is {what}")
+        if not content.strip(b"\0"):
+            raise DataError("this is an empty file; choose another one")
     return content
 
 

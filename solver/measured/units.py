@@ -31,8 +31,9 @@ TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
 BRACKETS = re.compile(r"(.*?)\s?[\[({]([^\])}]{0,40})[\])}]")
 SLASH = re.compile(r"([^/]*[^/\s]) ?/ ?([^\d/][^/]{0,12}(?:/\w{1,4})?)")
 LAST = re.compile(r"(.*?[^\W_])(?: in |[ _])([^\W\d_]{1,13})")
-LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2}units?)\W+([^\W\d_]{1,13})\W*", re.I)
-FOR_X, FOR_Z = re.compile(r"lateral|horizontal|length|distance", re.I), re.compile(r"value|height|vertical", re.I)
+LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2})units?\W+([^\W\d_]{1,13})\W*", re.I)
+FOR_X = re.compile(r"\b(lateral|horizontal|length|distance|x)\b", re.I)
+FOR_Z = re.compile(r"\b(values?|height|vertical|y|z)\b", re.I)
 
 
 def plain_unit(text: str) -> str:
@@ -56,7 +57,8 @@ def parted(cell: str) -> tuple[str, str | None]:
     match = LAST.fullmatch(cell)
     if match and named_unit(match[2]) and (len(match[2]) > 1 or " in " in cell):
         return match[1], plain_unit(match[2])
-    return ("", plain_unit(cell)) if len(cell) > 1 and named_unit(cell) else (cell, None)
+    alone = len(cell) > 1 and named_unit(cell) and cell not in OTHERS  # pixel is a name as well
+    return ("", plain_unit(cell)) if alone else (cell, None)
 
 
 def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOWED, name: str = "unit") -> float:
@@ -67,12 +69,16 @@ def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOW
     plain = plain_unit(str(unit)).removeprefix("\ufeff")
     match = TIMES.fullmatch(plain)
     times, word = (float(match[1]), match[2]) if match else (1.0, plain)
-    found = known.get(word, known.get(word.lower()) if known is LENGTHS else None)
-    if found is None or not times > 0.0:
+    if not is_unit(word, known) or not times > 0.0:
         raise DataError(
             f"{name} = {str(unit)[:40]!r}; allowed units: {allowed}, or a number of them; give one of these"
         )
-    return times * found
+    return times * (known[word] if word in known else known[word.lower()])
+
+
+def is_unit(unit: str | None, known: Mapping[str, float] = LENGTHS) -> bool:
+    """Whether a unit is known; capitals count but in lengths."""
+    return bool(unit) and (unit in known or ("nm" in known and unit.lower() in known))  # type: ignore[union-attr]
 
 
 def units_above(lines: Iterable[str]) -> dict[str, str]:
@@ -82,9 +88,9 @@ def units_above(lines: Iterable[str]) -> dict[str, str]:
         match = LABEL.fullmatch(normalize("NFC", line))
         if not match or plain_unit(match[2]).lower() not in LENGTHS:
             continue
-        x, z = (bool(each.search(match[1])) for each in (FOR_X, FOR_Z))
-        for name in ("x",) * (x or not z) + ("z",) * (z or not x):
-            found.setdefault(name, match[2])
+        for name, words in (("x", FOR_X), ("z", FOR_Z)):
+            if not match[1] or words.search(match[1]):  # of both, if it says nothing else
+                found.setdefault(name, match[2])
     return found
 
 

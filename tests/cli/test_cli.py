@@ -315,6 +315,16 @@ def test_a_refused_profile_is_read_with_the_options_that_the_refusal_names(call,
     assert code == 0 and "A Gaussian filter" in out
 
 
+def test_heights_alone_are_read_by_the_options_that_their_refusal_names(call, tmp_path):
+    file = tmp_path / "z.csv"
+    file.write_text("Height (nm)\n" + "".join(f"{4.0 * np.cos(0.1 * np.pi * k):.6g}\n" for k in range(129)))
+    words = ("run", "--set", f"profile={file}", "nodes=128", "du_z=0.5", "du_x=0.5", "u_x_max=0.5")
+    code, _, err = call(*words)
+    assert code == 2 and err.rstrip().endswith("; add --columns x=none z=Height --units x=... z=nm")
+    code, out, _ = call(*words, "--columns", "x=none", "z=Height", "--units", "x=5 nm", "z=nm")
+    assert code == 0 and "x is read as 5 nm" in out
+
+
 def test_a_measured_curve_is_compared_once_the_options_that_its_refusal_names_are_given(call, tmp_path):
     file = tmp_path / "press.csv"
     result = simulate(Scene(nodes=64, width=160.0, radius=0.6, path="unload", du_z=0.5, delta_bar=0.3))

@@ -95,12 +95,10 @@ def test_columns_side_by_side_a_voltage_and_a_sensor_that_may_count_either_way_a
         DataError, match=r'Retract Z-Sense.*call read_measurement\(scene, source, kind="load", columns=\{'
     ) as refused:
         read_measurement(SMALL, text, kind="load")
-    call = filled(refused, columns={"delta": "Extend Z-Sense", "L": "Extend T-B"})
-    with pytest.raises(
-        DataError, match=r"^Extend T-B in 'V'; allowed units: N/m.* or what 1 is, as \"0.5 nN\""
-    ) as refused:
-        read_measurement(SMALL, text, **call)
-    call = filled(refused, units={"L": "500 nN"}) | {"sign": {"delta": -1}}
+    columns = {"delta": "Extend Z-Sense", "L": "Extend T-B"}
+    call = filled(refused, columns=columns, units={"L": "500 nN"}) | {"sign": {"delta": -1}}
+    with pytest.raises(DataError, match=r"^Extend T-B in 'V'; allowed units: N/m.* or what 1 is, as \"0.5 nN\""):
+        read_measurement(SMALL, text, kind="load", columns=columns)
     found = read_measurement(SMALL, text, **call)
     assert names_of(found) == ["approach"] and found.units["L"] == "N" and found.free
     assert found.segments[0].values["L"] == pytest.approx(LOAD * 500e-9, rel=1e-6)
