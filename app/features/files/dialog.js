@@ -11,7 +11,8 @@ const PIECE = 2 ** 19, LARGEST = 20e6 // bytes
 const WIDE = 300, HIGH = 100, STEPS = 10_000 // of the drawing; of its handles
 const NAMES = { x: "x", z: "z", U_x: "Uₓ", F: "F", L: "L", A: "A", delta: "δ", time: "time" }
 const SIGNS = [["", "sign as read"], ["1", "1: as in the file"], ["-1", "−1: turned"]]
-const OTHER = "other", FIELDS = ["line", "speed", "deflection", "cut_off"]
+const OTHER = "other", TEXTS = ["line", "spacing"]
+const FIELDS = [...TEXTS, "speed", "deflection", "cut_off"]
 let file = null, turn = 0 // what is read; counts questions to the server, so that late answers are dropped
 let chosen = {}, seen = {} // fields of tasks.Chosen; what the server said last
 let other = null // the column whose unit is being written
@@ -95,6 +96,10 @@ function fill(menu, list, value) {
   menu.value = value ?? ""
 }
 
+// A reason as a sentence; symbols such as x stay small
+const sentence = (text = "") =>
+  text.replace(/^[a-z](?=[a-z])/, (letter) => letter.toUpperCase()) + (/^$|[.?]$/.test(text) ? "" : ".")
+
 // Everything that the server says about the file
 function show(given) {
   seen = { ...(given.table || given.drawn ? {} : { channels: seen.channels, kinds: seen.kinds }),
@@ -114,8 +119,7 @@ function show(given) {
   by("file-smooth").hidden = !seen.cut_off
   tell(by("file-smooth"), seen.cut_off ? `Remove waves shorter than ${seen.cut_off} nm` : "")
   tell(by("file-says"), seen.says ? `${seen.says}.` : "")
-  say("file-why", seen.why ? `${seen.why.replace(/^[a-z](?=[a-z])/, (letter) => letter.toUpperCase())}.`.replace("?.", "?")
-    : "")
+  say("file-why", sentence(seen.why))
   by("file-use").disabled = !seen.says
   showTable()
   showDrawing()
@@ -222,7 +226,7 @@ function choosePart() {
 
 function enter(field, { value }) {
   const number = Number(value.replace(",", "."))
-  if (field === "line" || !value.trim()) return choose({ [field]: value.trim() || null })
+  if (TEXTS.includes(field) || !value.trim()) return choose({ [field]: value.trim() || null })
   if (number > 0) return choose({ [field]: number })
   return say("file-why", `${value} is not allowed: give a number above 0.`)
 }

@@ -115,7 +115,7 @@ class Feature(interface.Feature):
         sign=are_signs,
         part=is_part,
         channel=orders.is_whole,
-        line=orders.is_text,
+        **dict.fromkeys(("line", "spacing"), orders.is_text),
         **dict.fromkeys(("cut_off", "speed", "deflection"), orders.is_number),
     )
     def choose(self, turn: int, use: bool = False, **chosen: Any) -> None:

@@ -42,6 +42,7 @@ FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another un
 FAR = 60.0  # nm: of a longer load, which no run covers, the part from the contact on is proposed
 LEFT, STEADY = 6.0, 5  # scatters by which a load has left its line, for so many points
 CUT_OFF = {"cut_off": "remove waves shorter than (nm)"}
+SPACING = {"spacing": "distance of the rows, such as 0.5 um, where no column is x"}
 LINE = {"line": "line of a map, such as row 12 or column 12"}
 COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  # of a run, as the page sends them
 
@@ -63,6 +64,7 @@ class Chosen:
     speed: float | None = None
     deflection: float | None = None
     line: str | None = None
+    spacing: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +125,10 @@ def _of_table(scene, block, chosen, seen):
     seen |= {"units": units, "table": _shown(table), "drawn": _raw(block, columns, kind)}
     if not kind:
         raise DataError("choose what kind of data this is")
+    counted = kind == SURFACE and "z" in columns and "x" not in columns
+    seen["fields"] = SPACING if counted else {}
     missing = [" or ".join(side) for side in SIDES[kind] if not set(side) & columns.keys()]
-    if missing:
+    if missing and not (counted and chosen.spacing):
         raise DataError(f"choose the column of {' and of '.join(missing)}")
     return (_surface if kind == SURFACE else _curve)(scene, block, columns, chosen, seen)
 
@@ -146,6 +150,7 @@ def _columns(table, kind):
         known = recognised(table, profile.NAMED)[0] if kind else {}
         if kind and len(table.columns) == 2 and not any(column.name for column in table.columns):
             known = {"x": 0, "z": 1}
+        known = known or ({"z": 0} if kind and len(table.columns) == 1 else {})
         z = known.get("z", known.get("y"))
         return {role: k for role, k in (("x", known.get("x")), ("z", z)) if k is not None}
     known, found = recognised(table, curves.NAMED)[0], {}
@@ -197,8 +202,9 @@ def _surface(scene, source, columns, chosen, seen):
     """The Profile of a Block, or of the content of an instrument's file."""
     how = {"unit": chosen.units.get("x"), "channel": chosen.channel, "line": chosen.line}
     if columns is not None:
-        how = {"columns": {role: k + 1 for role, k in columns.items()}}
+        how = {"columns": {"x": None} | {role: k + 1 for role, k in columns.items()}}
         how["units"] = {role: unit for role, unit in chosen.units.items() if role in ("x", "z")}
+        how["units"] |= {"x": chosen.spacing} if "x" not in columns else {}
     trace = profile.read_trace(source, **how)
     x = trace.x - trace.x[0]
     part = chosen.part or _middle(x)

@@ -92,9 +92,9 @@ def test_of_a_long_load_the_part_from_the_contact_on_is_proposed():
     ("content", "said"),
     [
         (b"", "an empty file"),
-        (b"%PDF-1.7 \0", "no measurement"),
+        (b"%PDF-1.7 \0", "this is a PDF"),
         (b"\x89PNG\r\n\x1a\n\0", "a picture"),
-        (b"PK\x03\x04\0\0", "no known file"),
+        (b"PK\x03\x04\0\0", "an archive without a known file"),
         (bytes(20_000_000), "an empty file"),
         (b"0" * 20_000_000, "allowed"),
         (b",".join([b"1"] * 500) + b"\n" + b",".join([b"2"] * 500), "500 columns; allowed: up to 100"),

@@ -109,7 +109,7 @@ def test_a_steep_profile_offers_a_filter_that_makes_it_flat_enough(visit):
     ("name", "text", "times", "said"),
     [
         ("empty.csv", "", 1, "It is empty; choose a file with columns of numbers"),
-        ("paper.pdf", "%PDF-1.7\0", 1, "This is no measurement"),
+        ("paper.pdf", "%PDF-1.7\0", 1, "This is a PDF; export its numbers as CSV"),
         ("wide.csv", ",".join("1" * 500) + "\n", 20, "500 columns; allowed: up to 100"),
         ("large.csv", "1,2\n" * 1000, 5001, "It has 20.0 MB, allowed: 20 MB"),
         ("words.txt", "no numbers at all\n", 3, "No points; needed: columns of numbers"),
