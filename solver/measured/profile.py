@@ -16,7 +16,7 @@ from .columns import Given, asked, checked, for_user, given, not_used, plain, re
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Source, content_of, listed, read_table
-from .units import ALLOWED, factor, is_unit, mentioned, named_unit, units_above
+from .units import ALLOWED, factor, is_unit, mentioned, units_above
 from .units import LENGTHS as NM
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
@@ -213,7 +213,7 @@ def _x_and_z(table, how):
     if len(table.columns) == 2 and unnamed:
         known = {"x": 0, "z": 1}
     rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
-    if "z" not in {*known, *several} and not any(named_unit(column.unit or "") for column in rest):
+    if "z" not in {*known, *several} and not any(any(map(str.isalpha, column.unit or "")) for column in rest):
         known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
     of = {role: known[role] for role in "xz" if role in known} | own
     if len(table.columns) == 1 and "x" not in own:

@@ -44,7 +44,7 @@ def test_a_long_curve_is_thinned_out_to_what_a_drag_can_compare():
     ("content", "said"),
     [
         (b"wavelength,colour\n1,2\n3,4\n", "U_x"),
-        (b"", "line 1"),
+        (b"", "this is an empty file"),
         (text("U_x (nm),F (N/m)", 1e200 * U_X, U_X), "check the units"),
         (text("time (s),F (N/m)", U_X, U_X), "give speed="),
     ],

@@ -32,7 +32,7 @@ def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_slider
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "line 1: "),
+        (b"", "this is an empty file"),
         (b"U_x,F\n1,2\n1,x\n", "line 3: 'x' is not a number"),
         (b"U_x (nm),F (mN)\n" + ROWS, "divide it by the width of the contact"),
         (b"\xff\xfe\x00", "line 1: "),
