@@ -27,7 +27,7 @@ SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printe
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 NEEDED = "two columns: x, z in nm"
-COUNTED = 'take none for x: the rows are counted, and the unit of x is their distance, as "2.5 nm"'
+COUNTED = 'take none for x: its unit is then the distance of the rows, as "2.5 nm"'
 NAMED = {  # names of columns in small letters without blanks and signs
     "x": ("x", "distance", "lateral", "length", "position", "xposition", "lateralposition", "scanposition"),
     "z": ("z", "height", "raw", "profile", "zheight", "profileheight", "rawheight"),
@@ -217,7 +217,7 @@ def _x_and_z(table, how):
         known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
     of = {role: known[role] for role in "xz" if role in known} | own
     if len(table.columns) == 1 and "x" not in own:
-        raise _asked(table, f"one column, two are needed: {NEEDED}; or {COUNTED}", {"x": None, "z": 0}, how)
+        raise _asked(table, f"one column; needed: {NEEDED}, or {COUNTED}", {"x": None, "z": 0}, how)
     if len(of) < 2 or of["x"] == of["z"] or of["z"] is None:
         matrix = f"; if this is a map of heights, save one line of it as x and z, or {COUNTED}"
         unclear = [role for role in "xz" if role not in of] or ["z"]
