@@ -11,7 +11,7 @@ from ..run.frame import STAGES, Stage
 from ..scene import Scene
 from ..surfaces import DataError
 from ..text import counted
-from .columns import Given, asked, called, checked, for_user, given, not_used, recognised
+from .columns import Given, asked, called, checked, for_user, given, not_used, plain, recognised
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
 from .tables import SHOWN, Block, Source, listed, read_table
@@ -27,15 +27,10 @@ KINDS = ("friction", "loop", "load", "area")
 ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
 NAMED = {  # what a heading may say, in small letters without blanks and signs
     "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
-    "displacement": (
-        "displacement",
-        "position",
-        "extension",
-        "crosshead",
-        "distance",
-    ),  # along the surface or into it: the other column or `kind` tells
+    # along the surface or into it: the other column or `kind` tells
+    "displacement": ("displacement", "position", "extension", "crosshead", "distance"),
     "F_bar": ("fbar",),
-    "F": ("fx", "fy", "ff", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
+    "F": ("fx", "fy", "ff", "ft", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
     "force": ("f", "force"),  # F beside U_x or an area; L beside delta or a height
     "L_bar": ("lbar",),
     "L": ("l", "fz", "fn", "load", "normalload", "normalforce", "verticaldeflection", "vdeflection"),
@@ -48,6 +43,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
+SYMBOLS = ("f", "l", "delta")  # names of this package, which mean no other column
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
     ("friction", ("U_x",), (*FORCES, "force")),
@@ -162,20 +158,27 @@ class _Reader:
         sides = [(kind, *MEANT[kind])] if kind else SURE
         if self.how.speed is not None:
             sides = (*sides, ("friction", ("time",), ("force",)))
-        if not kind and "displacement" in named and not {"U_x", *FORCES, *DEEP} & named:
+        if not kind and "displacement" in named and not {"U_x", "delta", *FORCES} & named:
             sides = ()  # a machine's displacement and force may be those of a press
         for found, across, values in sides:
             x = [role for role in over or across if role in across and role in named]
             y = [role for role in values if role in named and not (x and known.get(role, -1) == known.get(x[0]))]
             if not (x and y) or (self.stages is not None and found != self._stage_kind()):
                 continue
-            if not kind and not over and found == "load" and {*FORCES} & named:
+            if not (kind or over or self.stages is not None) and found == "load" and {"U_x", *FORCES} & named:
                 continue
-            if x[0] not in known or y[0] not in known:
+            if x[0] not in known or y[0] not in known or self._rivals(x) or self._rivals([y[0], "force"]):
                 break
             self._take(found, x[0], y[0])
             return found
         raise self._asked_kind(kind)
+
+    def _rivals(self, roles):
+        """Whether columns of other roles may be meant in place of the first one, which was not given."""
+        rivals = {*DEEP, "displacement"} if roles[0] in (*DEEP, "displacement") else {*FORCES, *LOADS, "force"}
+        meant = {self.known[role] for role in roles if role in self.known and role in rivals}
+        meant = {k for k in meant if plain(self.table.columns[k].name) not in SYMBOLS}
+        return len(meant) > 1 and roles[0] in rivals and roles[0] not in self.given
 
     def _stage_kind(self):
         return "friction" if _sliding(self.stages) else "load"
@@ -221,8 +224,9 @@ class _Reader:
         more = {"speed": ...} if "time" in names and self.how.speed is None else {}
         over, values = MEANT[kind]
         roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
-        at = {name: [known[each] for each in roles[name] if each in known] for name in names}
-        of = {name: found[0] for name, found in at.items() if found}
+        named = {*known, *self.several}
+        at = {name: {known.get(each) for each in roles[name] if each in named} for name in names}
+        of = {name: found.pop() for name, found in at.items() if len(found) == 1 and None not in found}
         return self._asked(reason, of, names, **more)
 
     def _asked(self, reason, of, names, **more):
@@ -274,7 +278,8 @@ class _Reader:
         if not self.rows.any():
             raise DataError(f"no row has numbers in all of {', '.join(self.of)}; needed: {NEEDED}")
         if self.stages is None:
-            beside = [self.known[role] for role in ("stage", "segment") if role in self.known]
+            named = ("stage", "segment", *(("L", "L_bar") if self.notes else ()))  # a note has those already
+            beside = [self.known[role] for role in named if role in self.known]
             self.notes += not_used(self.block, [*self.of.values(), *beside])
         self.notes += self.block.notes
         return dict(zip(self.of, values[self.rows].T, strict=True)), np.flatnonzero(self.rows)

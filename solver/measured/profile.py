@@ -16,7 +16,7 @@ from .columns import Given, asked, checked, for_user, given, not_used, plain, re
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Block, Source, content_of, listed, read_table
-from .units import ALLOWED, factor, is_unit, mentioned, named_unit, units_above
+from .units import ALLOWED, factor, is_unit, mentioned, units_above
 from .units import LENGTHS as NM
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
@@ -27,7 +27,7 @@ SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printe
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 NEEDED = "two columns: x, z in nm"
-COUNTED = 'take none for x: the rows are counted, and the unit of x is their distance, as "2.5 nm"'
+COUNTED = 'take none for x: its unit is then the distance of the rows, as "2.5 nm"'
 NAMED = {  # names of columns in small letters without blanks and signs
     "x": ("x", "distance", "lateral", "length", "position", "xposition", "lateralposition", "scanposition"),
     "z": ("z", "height", "raw", "profile", "zheight", "profileheight", "rawheight"),
@@ -220,11 +220,11 @@ def _x_and_z(table, how):
     if len(table.columns) == 2 and unnamed:
         known = {"x": 0, "z": 1}
     rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
-    if "z" not in {*known, *several} and not any(named_unit(column.unit or "") for column in rest):
+    if "z" not in {*known, *several} and not any(any(map(str.isalpha, column.unit or "")) for column in rest):
         known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
     of = {role: known[role] for role in "xz" if role in known} | own
     if len(table.columns) == 1 and "x" not in own:
-        raise _asked(table, f"one column, two are needed: {NEEDED}; or {COUNTED}", {"x": None, "z": 0}, how)
+        raise _asked(table, f"one column; needed: {NEEDED}, or {COUNTED}", {"x": None, "z": 0}, how)
     if len(of) < 2 or of["x"] == of["z"] or of["z"] is None:
         matrix = f"; if this is a map of heights, save one line of it as x and z, or {COUNTED}"
         unclear = [role for role in "xz" if role not in of] or ["z"]

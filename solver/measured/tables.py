@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from io import StringIO
 from os import PathLike
 from pathlib import Path
@@ -35,9 +35,9 @@ BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|
 DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
 FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
 
-_DIGITS = {",": r"(?:\d++\.?\d*+|\.\d++)", "": r"(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)"}
-_NUMBER = r"[+\-\N{MINUS SIGN}]?DIGITS(?:[eEdD][+\-\N{MINUS SIGN}]?\d++)?"
-_NONE = r"[+-]?(?:nan|NaN|NAN|inf|Inf|INF)|Bad|BAD|bad|\*\*\*|-{1,3}"
+# never goes back over a character
+_NUMBER = r"[+\-\N{MINUS SIGN}]?(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)(?:[eEdD][+\-\N{MINUS SIGN}]?\d++)?"
+is_number = re.compile(rf"{_NUMBER}|[+-]?(?:nan|NaN|NAN|inf|Inf|INF)").fullmatch
 
 
 class Column(NamedTuple):
@@ -100,10 +100,10 @@ def _shown(column):
 
 
 class Layout(NamedTuple):
-    """How a line is cut: separator ("" for blanks) and which lines are rows."""
+    """How a line is cut: separator ("" for blanks); and whether rows may have words among two numbers or more."""
 
     separator: str
-    is_row: Callable[[str], Any]
+    words: bool
 
     def split(self, line: str) -> list[str]:
         return [cell.strip(' "') for cell in line.split(self.separator or None)]
@@ -112,28 +112,11 @@ class Layout(NamedTuple):
         """The number of cells of a line."""
         return line.count(self.separator) + 1 if self.separator else len(line.split())
 
-
-def _numeric(separator):
-    """The Layout of rows of numbers; its expression never goes back over a character."""
-    number = _NUMBER.replace("DIGITS", _DIGITS["," if separator == "," else ""])
-    full = rf'"?(?:{number}|{_NONE})"?'
-    cell = rf"(?: *+{full} *+| *+)" if separator else full
-    between = separator or r"\s++"
-    return Layout(separator, re.compile(rf"{cell}(?:{between}{cell})*+").fullmatch)
-
-
-def _mixed(separator):
-    """The Layout of rows with words among at least two numbers."""
-    number = re.compile(_NUMBER.replace("DIGITS", _DIGITS["," if separator == "," else ""]))
-
-    def is_row(line):
-        cells = line.split(separator or None)
-        return len(cells) > 2 and sum(bool(number.fullmatch(cell.strip(' "'))) for cell in cells[:20]) > 1
-
-    return Layout(separator, is_row)
-
-
-NUMERIC, MIXED = ([make(mark) for mark in (";", "\t", "", ",")] for make in (_numeric, _mixed))
+    def is_row(self, line: str) -> bool:
+        cells = self.split(line)
+        if self.words:
+            return len(cells) > 2 and sum(map(bool, map(is_number, cells[:20]))) > 1
+        return all(cell in MISSING or is_number(cell) for cell in cells)
 
 
 def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
@@ -182,13 +165,14 @@ def _layout(lines):
     full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
     sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
 
-    def most(layouts):
+    def most(words):
+        layouts = [Layout(mark, words) for mark in (";", "\t", "", ",")]
         hits = [sum(1 for line in sample if line and each.is_row(line)) for each in layouts]
         cut = [sum(len(each.split(line)) for line in full[-20:] if each.is_row(line)) for each in layouts]
         best = max(range(len(layouts)), key=lambda k: (hits[k], cut[k] if layouts[k].separator else 0))
         return hits[best], layouts[best]
 
-    (plain, numeric), (wordy, mixed) = most(NUMERIC), most(MIXED)
+    (plain, numeric), (wordy, mixed) = most(False), most(True)
     if max(plain, wordy) == 0 or not any(any(map(str.isdigit, line)) for line in sample):
         return None
     return mixed if wordy > 2 * plain + 1 else numeric
@@ -211,13 +195,8 @@ def _ranges(raw, lines, layout):
     cuts = np.flatnonzero(np.diff(groups)) + 1
     ranges = [part for part in np.split(rows, cuts) if part.size]
     k = ranges[0][0] if ranges else 0
-    beside = MIXED[NUMERIC.index(layout)] if layout in NUMERIC else layout
-    if (
-        k
-        and beside is not layout
-        and beside.is_row(lines[k - 1])
-        and layout.width(lines[k - 1]) == layout.width(lines[k])
-    ):
+    beside, above = layout._replace(words=True), lines[k - 1]
+    if k and beside != layout and beside.is_row(above) and layout.width(above) == layout.width(lines[k]):
         return _ranges(raw, lines, beside)  # some oscilloscopes write words beside the first rows
     at = list(named)
     last = np.searchsorted(at, [part[0] for part in ranges]) - 1
@@ -257,7 +236,7 @@ def _reject_bad(lines, rows, layout):
         before = k > rows[0] or (k and layout.is_row(lines[k - 1]) and lines[k - 1])
         if not near or not before or len(cells) != len(layout.split(lines[rows[0]])):
             continue
-        bad = [cell for cell in cells if not NUMERIC[2].is_row(cell) and cell not in MISSING]
+        bad = [cell for cell in cells if not is_number(cell) and cell not in MISSING]
         if len(bad) < len(cells) and bad:
             cell = repr(bad[0][:SHOWN]) if bad[0].isprintable() else "an unreadable cell"
             raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
@@ -286,7 +265,7 @@ def _cells(texts, layout, width, rows):
     if "D" in text or "d" in text:
         text = FORTRAN.sub(r"\1e\2", text)
     commas = layout.separator != "," and "," in text
-    words = layout in MIXED
+    words = layout.words
     if commas and not words and "." in text:
         k = next(k for k, line in enumerate(texts) if "," in line)
         raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)

@@ -320,7 +320,8 @@ def test_heights_alone_are_read_by_the_options_that_their_refusal_names(call, tm
     file.write_text("Height (nm)\n" + "".join(f"{4.0 * np.cos(0.1 * np.pi * k):.6g}\n" for k in range(129)))
     words = ("run", "--set", f"profile={file}", "nodes=128", "du_z=0.5", "du_x=0.5", "u_x_max=0.5")
     code, _, err = call(*words)
-    assert code == 2 and err.rstrip().endswith("; add --columns x=none z=Height --units x=... z=nm")
+    assert code == 2 and "one column; needed: two columns: x, z in nm, or take none for x" in err
+    assert err.rstrip().endswith("; add --columns x=none z=Height --units x=... z=nm")
     code, out, _ = call(*words, "--columns", "x=none", "z=Height", "--units", "x=5 nm", "z=nm")
     assert code == 0 and "x is read as 5 nm" in out
 

@@ -224,6 +224,14 @@ def test_the_file_of_a_computed_loop_is_read_as_one(tmp_path, loop):
     assert found.residuals(loop).rms == pytest.approx({"F": 0.0, "L": 0.0, "A": 0.0}, abs=1e-6)
 
 
+def test_the_file_of_a_computed_retraction_is_read_as_a_load(tmp_path):
+    result = simulate(SMALL.changed(path="unload"))
+    result.save(tmp_path / "unload.csv")
+    found = read_measurement(SMALL, tmp_path / "unload.csv")
+    assert (found.kind, names_of(found)) == ("load", ["approach", "retract", "approach"])
+    assert found.residuals(result).rms["L"] < 1e-6
+
+
 @pytest.mark.once
 @pytest.mark.parametrize("first", [0, 41])
 def test_a_fit_of_a_loop_finds_what_made_it_alone_and_by_an_executor(loop, first):

@@ -619,17 +619,20 @@ def test_numbers_of_a_unit_are_units_and_columns_that_do_not_exist_are_named():
             read_profile(text, unit="nm", columns=columns)
 
 
+@pytest.mark.parametrize("options", [{}, {"periodic": False}, {"width": 500.0}, {"part": (50.0, 600.0)}])
 @pytest.mark.parametrize("period", [True, False])
 @pytest.mark.parametrize("seed", range(6))
-def test_a_cut_off_that_is_named_is_one_that_works(seed, period):
-    """Also where a filter leaves the ends, or the closing of a period, steep."""
+def test_a_cut_off_that_is_named_is_one_that_works(seed, period, options):
+    """Also where a filter leaves the ends, or the closing of a period, steep, and where points are uneven."""
     random = np.random.default_rng(seed)
     z = np.cumsum(random.normal(size=X.size)) * 2.0
     z = z - np.linspace(0.0, z[-1] - z[0], z.size) if period else z
+    text = table(X + random.uniform(-0.5, 0.5, X.size) * (seed % 2), z)
     with pytest.raises(DataError, match="cut-off") as refused:
-        read_profile(table(X, z))
-    if refused.value.call:
-        assert np.ptp(read_profile(table(X, z), **refused.value.call).z) > 0.0
+        read_profile(text, **options)
+    if "cut_off" in refused.value.call:
+        assert np.ptp(read_profile(text, **refused.value.call).z) > 0.0
     else:
-        with pytest.raises(DataError):
-            read_profile(table(X, z), cut_off=319.0)
+        for cut_off in np.geomspace(10.0, 245.0, 12):
+            with pytest.raises(DataError):
+                read_profile(text, cut_off=float(cut_off), **options)

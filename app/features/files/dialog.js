@@ -26,6 +26,7 @@ export async function open(given, { left = 0, ...before } = {}) {
   chosen = Object.fromEntries(Object.entries(before).filter(([, value]) => value))
   seen = {}
   show({})
+  for (const field of FIELDS) by(`file-${field}`).value = chosen[field] ?? ""
   tell(by("file-title"), file.name)
   say("file-others", left ? `One file is read at a time: ${left} more left out.` : "")
   if (!by("file-of").open) by("file-of").showModal()
@@ -34,44 +35,42 @@ export async function open(given, { left = 0, ...before } = {}) {
     if (!file.size) throw new Error("it is empty; choose a file with columns of numbers")
     if (file.size > LARGEST)
       throw new Error(`it has ${(file.size / 1e6).toFixed(1)} MB, allowed: 20 MB; thin it out`)
-    await send(mine)
-    if (mine === turn) ask()
+    if (await send(given, () => mine === turn)) ask()
   } catch ({ message }) {
     if (mine === turn) show({ why: message })
   }
 }
 
-async function send(mine) {
-  const bar = by("file-sent")
+// Send the pieces one after another, while the file is still wanted; returns whether all are there
+async function send(given, wanted) {
+  const { size } = given, bar = by("file-sent")
   bar.hidden = false
-  for (let at = 0; at < file.size; at += PIECE) {
-    bar.value = at / file.size
-    const piece = file.slice(at, at + PIECE), content = await piece.arrayBuffer().catch(() => null)
+  for (let at = 0; at < size; at += PIECE) {
+    bar.value = at / size
+    const piece = given.slice(at, at + PIECE), content = await piece.arrayBuffer().catch(() => null)
     if (content?.byteLength !== piece.size)
       throw new Error("it has changed, or cannot be read any more; choose it again")
-    if (mine !== turn) return
+    if (!wanted()) return false
     const there = new Promise((done) => { arrived = done })
-    order("piece", { at, of: file.size, content })
+    order("piece", { at, of: size, content })
     await there
   }
+  return wanted()
 }
 
 function ask(more = {}) {
   by("file-sent").hidden = false
   by("file-sent").removeAttribute("value")
-  order("choice", { turn, ...chosen, ...more })
+  order("choice", { turn: ++turn, ...chosen, ...more })
 }
 
 function choose(values) {
-  chosen = { ...chosen, ...values }
-  for (const name in chosen) if (chosen[name] === null) delete chosen[name]
-  turn++
+  chosen = Object.fromEntries(Object.entries({ ...chosen, ...values }).filter(([, value]) => value !== null))
   ask()
 }
 
 function use() {
   lay.name = file.name
-  turn++
   ask({ use: true })
 }
 
@@ -102,8 +101,7 @@ const sentence = (text = "") =>
 
 // Everything that the server says about the file
 function show(given) {
-  seen = { ...(given.table || given.drawn ? {} : { channels: seen.channels, kinds: seen.kinds }),
-    channels: seen.channels, ...given }
+  seen = { channels: seen.channels, lengths: seen.lengths, ...given } // which are told once
   by("file-sent").hidden = true
   const { kinds = {}, kind = "", channels, lengths, fields = {} } = seen
   fill(by("file-kind"), [["", "choose …"], ...Object.entries(kinds)], kind)

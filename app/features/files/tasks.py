@@ -96,7 +96,9 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
             block = read_table(content, NEEDED, chosen.channel)
             return seen, _of_table(scene, block, chosen, seen)
     except DataError as error:
-        seen |= {"why": _without_table(error), "cut_off": getattr(error, "cut_off", None)}
+        other = KINDS.get(f"{error.call.get('kind')}", "")  # which the reader is certain of
+        remedy = f"; choose the kind {other!r}" if other and error.call["kind"] != seen["kind"] else ""
+        seen |= {"why": f"{_without_table(error)}{remedy}", "cut_off": getattr(error, "cut_off", None)}
         seen |= {"channels": error.choices} if error.choices else {}
         seen |= {"lengths": LENGTH} if error.call.get("unit") is ... else {}
     except MemoryError:

@@ -67,6 +67,14 @@ def test_friction_over_time_asks_for_the_speed_and_uses_it():
     assert curve.segments[0].x[-1] == pytest.approx(12.0)
 
 
+def test_a_loop_that_is_read_as_one_pull_names_the_kind_to_choose():
+    loop = text(*AXES["loop"][:3])
+    seen, curve = look(Scene(), loop, Chosen(kind="friction"))
+    assert curve is None and "to and fro" in seen["why"]
+    assert seen["why"].endswith("choose the kind 'friction loop, forth and back'")
+    assert look(Scene(), loop, Chosen(kind="loop"))[1].kind == "loop"
+
+
 def test_tables_of_one_file_are_offered_and_the_chosen_one_is_read():
     both = b"\n\n".join([FRICTION, text("U_x (nm),F (N/m)", U_X, 5.0 * U_X)])
     seen, curve = look(Scene(), both, Chosen())

@@ -124,6 +124,17 @@ def test_what_is_no_measurement_is_refused_in_a_sentence_and_the_run_stays(visit
     assert page.evaluate("punch.run.number") == 1 and page.evaluate("document.activeElement.id") == "menu"
 
 
+@pytest.mark.thorough
+def test_after_a_file_that_is_too_large_the_one_before_is_not_used_under_its_name(visit):
+    page = visit("?u_x_max=4")
+    drop(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{k},{k % 7}" for k in range(40)), "good.csv")
+    page.locator("#file-says", has_text="40 points").wait_for()
+    drop(page, "1,2\n" * 1000, "large.csv", 5001)
+    page.locator("#file-why", has_text="allowed: 20 MB").wait_for()
+    assert page.locator("#file-use").is_disabled() and not page.locator("#file-rows").is_visible()
+    assert not page.inner_text("#file-says")
+
+
 CHANGES = """() => {  // the second piece of a file that changes meanwhile cannot be read
     const slice = File.prototype.slice
     File.prototype.slice = function (from, to) {
