@@ -149,7 +149,8 @@ CURVES = {  # name: (content, check, what fills the dots of a call, or the roles
                                        friction(), VOLTS | {"columns": {"time": 4, "F": 5}}),
     "numbers of samples": (f"X,CH1,Start,Increment,\nSequence,Volt,0.0,5e-3,\n{rows(STEPS, F / 10, end=',,,')}",
                            friction(), VOLTS | {"units": {"time": "0.005 s", "F": "10 N"}}),
-    "a tribometer with two forces": (f"Fx,Fz,Z,T,Ff\nN,N,mm,sec,N\n\n{rows(F, 0 * F + 2, 0 * F, U, F / 2)}", friction(),
+    "a tribometer with two forces": ("Fx,Fz,Z,V1,V2,T,Ff\nN,N,mm,mm/sec,mm/sec,sec,N\n\n"
+                                     + rows(F, 0 * F + 2, 0 * F, 0 * F, 0 * F, U, F / 2), friction(),
                                      {"columns": {"time": "T", "F": "Fx"}, "speed": 1.0}),
     "two forces": (f"Depth (nm),Force (N),Load (N)\n{rows(DELTA, 0 * L, L)}", load(1.0), {"columns": {"L": "Load"}}),
     "forces along two axes": (f"U_x (nm),Fx (N),Fy (N)\n{rows(U, 0 * F, F)}", friction(), {"columns": {"F": "Fy"}}),
