@@ -109,6 +109,7 @@ PROFILES = {  # name: (content, what fills the dots of a call)
     "a unit that is not known": (f"x (in),z (uin)\n{rows(X / 25.4e6, Z / 25.4)}", {"units": {"z": "25.4 nm"}}),
     "a slope beside a position": (f"# x-position [um]; y-slope [urad]\n{rows(X / 1e3, Z, sep=';')}",
                                   {"columns": {"z": 2}, "units": {"z": "nm"}}),
+    "a torque beside a position": (f"x (um),y (Nm)\n{rows(X / 1e3, Z)}", {"units": {"z": "nm"}}),
     "x, y and another quantity": (f"X (um),Y (um),Intensity (V)\n{rows(X / 1e3, 0 * X, Z)}",
                                   {"columns": {"z": 3}, "units": {"z": "nm"}}),
     "x, y, z of one line": (f"X (um)  Y (um)  Z (nm)\n{rows(X / 1e3, 0 * X + 5, Z, sep='  ')}", {}),
