@@ -43,7 +43,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
-SYMBOLS = ("f", "l", "delta")  # names of this package, which mean no other column
+SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
     ("friction", ("U_x",), (*FORCES, "force")),
@@ -175,7 +175,8 @@ class _Reader:
         """Whether columns of other roles may be meant in place of the first one, which was not given."""
         rivals = {*DEEP, "displacement"} if roles[0] in (*DEEP, "displacement") else {*FORCES, *LOADS, "force"}
         meant = {self.known[role] for role in roles if role in self.known and role in rivals}
-        meant = {k for k in meant if plain(self.table.columns[k].name) not in SYMBOLS}
+        others = () if roles[0] in FORCES else SYMBOLS  # F beside L is no load
+        meant = {k for k in meant if plain(self.table.columns[k].name) not in others}
         return len(meant) > 1 and roles[0] in rivals and roles[0] not in self.given
 
     def _stage_kind(self):

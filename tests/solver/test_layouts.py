@@ -154,6 +154,7 @@ CURVES = {  # name: (content, check, what fills the dots of a call, or the roles
                                      + rows(F, 0 * F + 2, 0 * F, 0 * F, 0 * F, U, F / 2), friction(),
                                      {"columns": {"time": "T", "F": "Fx"}, "speed": 1.0}),
     "two forces": (f"Depth (nm),Force (N),Load (N)\n{rows(DELTA, 0 * L, L)}", load(1.0), {"columns": {"L": "Load"}}),
+    "a force and one of an axis": (f"U_x (nm),F (N),Fy (N)\n{rows(U, F, 0 * F)}", friction(), {"columns": {"F": "F"}}),
     "forces along two axes": (f"U_x (nm),Fx (N),Fy (N)\n{rows(U, 0 * F, F)}", friction(), {"columns": {"F": "Fy"}}),
     "a load counted downwards": (f"time (s),Fx (N),Fz (N)\n{rows(U, F, 0 * F - 2)}", friction(),
                                  {"sign": {"L": -1}, "speed": 1.0}),
