@@ -43,7 +43,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
-SYMBOLS = ("f", "l", "delta")  # names of this package, which mean no other column
+SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
     ("friction", ("U_x",), (*FORCES, "force")),
@@ -177,7 +177,8 @@ class _Reader:
         """Whether columns of other roles may be meant in place of the first one, which was not given."""
         rivals = {*DEEP, "displacement"} if roles[0] in (*DEEP, "displacement") else {*FORCES, *LOADS, "force"}
         meant = {self.known[role] for role in roles if role in self.known and role in rivals}
-        meant = {k for k in meant if plain(self.table.columns[k].name) not in SYMBOLS}
+        others = () if roles[0] in FORCES else SYMBOLS  # F beside L is no load
+        meant = {k for k in meant if plain(self.table.columns[k].name) not in others}
         return len(meant) > 1 and roles[0] in rivals and roles[0] not in self.given
 
     def _stage_kind(self):
@@ -207,24 +208,24 @@ class _Reader:
 
     def _asked_kind(self, kind):
         """The DataError for columns that are not certain."""
-        known, table = self.known, self.table
+        known, table, named = self.known, self.table, {*self.known, *self.several}
         if not kind and "displacement" in known and {"force", *LOADS} & known.keys():
             reason = "a displacement and a force: along the surface (friction, loop) or into it (load)?"
             return DataError(f"{reason} {table}", table=table, call={"kind": ...})
         if not kind and {"time", "force"} <= known.keys():
             return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
         reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
-        loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & {*known, *self.several}
+        loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
         names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
         deep = {known[role] for role in DEEP if role in known}
         along = [k for k, column in enumerate(table.columns) if is_unit(column.unit) and k not in deep]
-        if kind == "friction" and "time" in known and not along and "U_x" not in known:
+        timed = "time" in known and not {"U_x", "displacement"} & named and ({*FORCES} & named or not along)
+        if kind == "friction" and timed:
             names = ("time", "F")
         more = {"speed": ...} if "time" in names and self.how.speed is None else {}
         over, values = MEANT[kind]
         roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
-        named = {*known, *self.several}
         at = {name: {known.get(each) for each in roles[name] if each in named} for name in names}
         of = {name: found.pop() for name, found in at.items() if len(found) == 1 and None not in found}
         return self._asked(reason, of, names, **more)

@@ -301,7 +301,7 @@ def _heading(above, layout, sizes):
     labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
     named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
     near = _near(above, layout, sizes) if named is None else []
-    unit_row = next((k for k, cells in enumerate(near) if all(map(_may_be_unit, cells))), None)
+    unit_row = next((k for k, cells in enumerate(near) if _are_units(cells)), None)
     if unit_row is not None:  # names stand above it, with comments below, or else below it
         units = [plain_unit(cell.strip(BRACKETS)) for cell in near.pop(unit_row)]
         near = near[unit_row:] or near
@@ -325,8 +325,10 @@ def _near(above, layout, sizes):
     return near
 
 
-def _may_be_unit(cell):
-    return not cell or named_unit(cell) or cell[0] in BRACKETS
+def _are_units(cells):
+    """Whether more than half of the cells are units; others may be such as mm/sec."""
+    filled = [cell for cell in cells if cell]
+    return 2 * sum(named_unit(cell) or cell[0] in BRACKETS for cell in filled) > len(filled)
 
 
 def _split(line, layout, sizes):

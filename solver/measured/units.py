@@ -23,7 +23,25 @@ NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9,
 }
 PER_WIDTH = UNITS["N/m"]
 SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-OTHERS = ("V", "mV", "volt", "volts", "ft", "pm", "px", "pixel", "pixels", "deg", "%", "F_s", "A_0")
+OTHERS = (
+    "V",
+    "mV",
+    "volt",
+    "volts",
+    "ft",
+    "pm",
+    "px",
+    "pixel",
+    "pixels",
+    "deg",
+    "%",
+    "Nm",
+    "Pa",
+    "kPa",
+    "MPa",
+    "F_s",
+    "A_0",
+)
 ALLOWED = "nm, um, mm, cm, m, Å, in"
 WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
 RAISED = str.maketrans("⁻¹·*", "-1  ")
@@ -45,7 +63,7 @@ def plain_unit(text: str) -> str:
 def named_unit(text: str) -> bool:
     """Whether a text is a unit and nothing else."""
     unit = plain_unit(text.strip("[](){} "))
-    return unit.lower() in LENGTHS or unit in NEWTONS or unit in PER_WIDTH or unit in SECONDS or unit in OTHERS
+    return is_unit(unit) or unit in NEWTONS or unit in PER_WIDTH or unit in SECONDS or unit in OTHERS
 
 
 def parted(cell: str) -> tuple[str, str | None]:
@@ -77,8 +95,10 @@ def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOW
 
 
 def is_unit(unit: str | None, known: Mapping[str, float] = LENGTHS) -> bool:
-    """Whether a unit is known; capitals count but in lengths."""
-    return bool(unit) and (unit in known or ("nm" in known and unit.lower() in known))  # type: ignore[union-attr]
+    """Whether a unit is known; lengths also in capitals, as MICRON, but Nm is a torque."""
+    if not unit or unit in known:
+        return bool(unit)
+    return "nm" in known and unit.lower() in known and (len(unit) > 2 or unit.isupper())
 
 
 def units_above(lines: Iterable[str]) -> dict[str, str]:
@@ -86,7 +106,7 @@ def units_above(lines: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for line in reversed(list(lines)):
         match = LABEL.fullmatch(normalize("NFC", line))
-        if not match or plain_unit(match[2]).lower() not in LENGTHS:
+        if not match or not is_unit(plain_unit(match[2])):
             continue
         for name, words in (("x", FOR_X), ("z", FOR_Z)):
             if not match[1] or words.search(match[1]):  # of both, if it says nothing else
@@ -98,6 +118,6 @@ def mentioned(lines: Iterable[str]) -> str:
     """Why a length unit in some line above the numbers is not used: it may be of anything; "" where there is none."""
     for line in reversed(list(lines)):
         for word in re.findall(r"[^\W\d_]+", plain_unit(line).replace("_", " ")):
-            if len(word) > 1 and word.lower() in LENGTHS and word not in ("in", "IN", "In"):
+            if len(word) > 1 and is_unit(word) and word not in ("in", "IN"):
                 return f"; the line {' '.join(line.split())[:40]!r} names {word}, but not of which column"
     return ""
