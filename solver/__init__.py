@@ -11,17 +11,17 @@ Fourier fields have the signs and scaling of numpy's rfft: K_xz = -i K_c, K_zx =
 Nyquist mode is uncoupled. The residual max |U + C T(u) - u| (nm) is the error measure of every method.
 
 What each module and folder holds; none imports from a line below its own:
-tables                          columns of numbers from text files
 schema, surfaces                parameters with ranges and choices, shapes of the surface
 scene                           the Scene
-text, profile, presets          scenes from text, profiles from files, named scenes
+text, presets                   scenes from text, named scenes
 continuation/                   branches of equilibria, their ends, the motion between them, for any problem
 mechanics/                      the physics: NP1 law, elastic layer, contact
 threads, executors              one BLAS thread, errors as by default; many calls on an executor of `concurrent.futures`
 run/                            load steps, increments, Frames, summaries
 following/                      a sliding run continued to other parameters
 cautions, plots                 sentences on choices that affect a result; plots
-analysis/                       derivatives, fits, maps, stress inside the layer, work of the stage, laws of friction
+analysis/                       derivatives, maps, stress inside the layer, work of the stage, laws of friction
+measured/                       files of measured surfaces and curves, comparison with a run, fits
 results, sweeps                 a run as tables and plots; the first slips of many scenes
 accuracy/                       error against run time of one scene
 files                           the files of a run: CSV, NPZ, JSON
@@ -38,26 +38,25 @@ from .following.follow import follow
 from .following.from_run import skeleton_from, skeleton_of
 from .following.moved import NotFollowed
 from .following.skeleton import Skeleton
-from .profile import read_profile
 from .results import Result, simulate
 from .run.frame import Frame, SlipEvent
 from .run.loadpath import METHODS, Checkpoint, load_path
 from .run.slices import advance
 from .run.summary import summarize, whole_surface
 from .scene import CHOICES, LIMITS, SURFACES, Scene, SceneError
-from .surfaces import Profile
+from .surfaces import DataError, Profile
 from .sweeps import sweep
-from .tables import DataError
 from .text import scene_from_text
 
 if TYPE_CHECKING:
     from .analysis.boundary import Boundary, boundary
-    from .analysis.curve_files import read_measurement
-    from .analysis.fit import fit
     from .analysis.maps import Axis, Map, explore_map
     from .analysis.sensitivities import sensitivities
     from .analysis.toughness import release_rates, toughness
     from .analysis.unstable import UnstableBranch, unstable_branch
+    from .measured.curves import read_measurement
+    from .measured.fit import fit
+    from .measured.profile import read_profile
 
 __version__ = "0.2.0.dev0"
 __all__ = [
@@ -105,25 +104,26 @@ __all__ = [
     "work_of",
 ]
 LAZY = {  # {name: module}, imported when first asked for: a run does not need them
-    "Axis": "maps",
-    "Boundary": "boundary",
-    "Map": "maps",
-    "UnstableBranch": "unstable",
-    "boundary": "boundary",
-    "explore_map": "maps",
-    "fit": "fit",
-    "read_measurement": "curve_files",
-    "release_rates": "toughness",
-    "sensitivities": "sensitivities",
-    "toughness": "toughness",
-    "unstable_branch": "unstable",
+    "Axis": "analysis.maps",
+    "Boundary": "analysis.boundary",
+    "Map": "analysis.maps",
+    "UnstableBranch": "analysis.unstable",
+    "boundary": "analysis.boundary",
+    "explore_map": "analysis.maps",
+    "fit": "measured.fit",
+    "read_measurement": "measured.curves",
+    "read_profile": "measured.profile",
+    "release_rates": "analysis.toughness",
+    "sensitivities": "analysis.sensitivities",
+    "toughness": "analysis.toughness",
+    "unstable_branch": "analysis.unstable",
 }
 
 
 def __getattr__(name: str) -> Any:
     if name not in LAZY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".analysis.{LAZY[name]}", __name__), name)
+    return getattr(import_module(f".{LAZY[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:

@@ -6,7 +6,6 @@ from .mechanics.layer import Modes
 from .mechanics.surface import too_soft
 from .run.frame import largest_overlap, largest_safe_damping
 from .run.summary import widest
-from .surfaces import NO_UNIT
 
 FINEST = 1.25  # a / delta_t, least: below, springs of neighbouring nodes overlap and smooth the lattice away
 COARSEST = 4.0  # a / delta_t, most: above, a node moved sideways without friction leaves the reach of its spring
@@ -105,8 +104,6 @@ def _of_the_layer(scene):
 
 def _of_the_surface(scene, widest):
     """Sentences on slopes, and on the width of the contact, which has no meaning but for a punch."""
-    if scene.surface == "measured" and NO_UNIT in scene.measured.notes:
-        yield NO_UNIT
     if scene.surface != "circular":
         steepest = float(np.abs(np.diff(scene.profile)).max()) / scene.spacing
         if steepest > SLOPE:

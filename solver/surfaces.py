@@ -6,7 +6,8 @@ The largest gap lies at the ends of the cell, so contact spreads across them las
 `read_profile` puts its deepest valley there, which means over the node spacing may fill.
 """
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from os import PathLike
@@ -17,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .schema import as_number
-from .tables import DataError
 
 Floats = NDArray[np.float64]
 
@@ -26,8 +26,49 @@ FEWEST_NODES = 8  # to a wavelength of a wave: linear between them, its slope is
 FEWEST_POINTS = 2 * FEWEST_NODES  # of a measured profile: two waves
 LENGTHS = (1.0, 1e6)  # nm, of a measured profile: the range of a cell's width
 PERIOD = "One period: the last point repeats the first"  # in a file that `Profile.to_csv` wrote
-NO_UNIT = "No unit was found: x and z are read as nm. If that is wrong, write x (um), z (um) above the numbers."
 EVEN = 1e-6  # of the spacing: points off by no more count as equidistant, as numbers of seven digits are
+
+
+class DataError(ValueError):
+    """An unusable file or profile; the message gives the reason and the call that would read the file, if any.
+
+    line: its number in the file, or None. reason: without line and call. table: the `solver.measured.tables.Table` that
+    was seen, or None. call: {argument: value} that would read the file; values not known are `...`. function: what is
+    called, up to its first argument. choices: names of the channels or tables of which one is asked for.
+    """
+
+    def __init__(
+        self,
+        reason: str,
+        line: int | None = None,
+        table: Any = None,
+        call: dict[str, Any] | None = None,
+        choices: Sequence[str] = (),
+    ) -> None:
+        self.reason, self.line, self.table, self.call = reason, line, table, call or {}
+        self.function, self.choices = "", tuple(choices)
+        super().__init__(reason)
+
+    @property
+    def brief(self) -> str:
+        """The reason with the line, without a call."""
+        return f"line {self.line}: {self.reason}" if self.line else self.reason
+
+    def __str__(self) -> str:
+        if not (self.call and self.function):
+            return self.brief
+        return f"{self.brief}; call {self.function}{''.join(f', {k}={_written(v)}' for k, v in self.call.items())})"
+
+
+def _written(value):
+    """An argument as Python has it, `...` for what is not known."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{_written(k)}: {_written(v)}' for k, v in value.items())}}}"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_written, value))})"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    return "..." if value is ... else f"{value:g}" if isinstance(value, float) else repr(value)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from app.session.controls import FOR_SERVER, PARAMETERS
 
 SMALL = 8000  # characters of an entry; more than any number needs
-LARGEST = 2_000_000  # bytes of a file; the browser checks this too
+LARGEST = 2_000_000  # bytes of a file that comes in one piece; the browser checks this too
 HALF = re.compile("[\ud800-\udfff]")  # half of a character: no encoding can write it, so nothing can send or save it
 
 

@@ -1,10 +1,7 @@
 """Evaluations of frames and skeletons. No run needs them.
 
 partial, sensitivities         derivatives of slips and curves by parameters and by nodes
-noise, comparison, recording, measurement
-                               measured curves, beside those of a run
-prediction, trial, stroke_fit, loop_fit, fit
-                               parameters from a measured curve
+prediction                     the curve of a skeleton, with its derivatives
 interior                       stress and displacement inside the layer, mode by mode
 friction_laws, area_laws       onset of sliding, critical moduli, force curves of flats; fits of Eqs. 8 and 9
 regimes                        scenes of flats over stiffness and strength

@@ -17,7 +17,8 @@ from ..scene import CHOICES, LIMITS, PARAMETERS
 from ..text import named
 from ..threads import one_thread
 from .accuracy import add_accuracy
-from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, InputError, program
+from .options import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, program
+from .pairs import InputError
 from .run import add_run
 from .serve import add_serve
 from .sweep import add_sweep
@@ -107,7 +108,7 @@ def parameter_table() -> str:
         for text in (parameter.meaning, *words):
             lines += wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + "  ")
     file = "columns x, z in nm, for surface=measured; all of its length is used, or the middle part of a width given;"
-    file += " in Python, Scene takes measured=read_profile(FILE)"
+    file += " --columns and --units name what the file does not; in Python, Scene takes measured=read_profile(FILE)"
     lines += ["profile     the name of a file", *wrap(file, COLUMNS, initial_indent=indent, subsequent_indent=indent)]
     return "\n".join(lines)
 

@@ -3,24 +3,19 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..presets import preset
-from ..profile import read_profile
 from ..run.loadpath import SOFT_LIMIT
-from ..scene import PARAMETERS, SET_BY_POINTS, Scene, SceneError
-from ..tables import DataError
+from ..scene import SET_BY_POINTS, Scene, SceneError
 from ..text import number_from_text, scene_from_text
+from .measured import add_reading, profile_of, reading
+from .pairs import InputError, settings
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
-SETTABLE = (*PARAMETERS, "profile", "unit")  # by --set
 SCRIPT = "mixed-mode-contact"  # of pyproject.toml
-
-
-class InputError(ValueError):
-    """Bad input on the command line; the message is one line that names it and what is allowed."""
 
 
 def program() -> str:
@@ -35,8 +30,41 @@ def add_command(commands: Any, name: str, run: Callable, summary: str, text: str
     setting = {"nargs": "+", "action": "extend", "default": [], "metavar": "NAME=VALUE"}
     parser.add_argument("--set", **setting, help="parameters of the scene, in place of their defaults")
     parser.add_argument("--preset", metavar="NAME", help="start from this named experiment; --set changes it")
-    parser.set_defaults(command=lambda arguments: run(scene_of(arguments.set, arguments.preset), arguments))
+    add_reading(parser)
+    parser.set_defaults(
+        command=lambda arguments: run(scene_of(arguments.set, arguments.preset, reading(arguments)), arguments)
+    )
     return parser
+
+
+def scene_of(pairs: Sequence[str], named: str | None = None, how: Mapping[str, Any] | None = None) -> Scene:
+    """The Scene of NAME=VALUE arguments, over a preset if one is named; profile=FILE reads a measured surface.
+
+    how: as of `measured.reading`. Prints how ambiguous numbers were read, and which are not used. Raises SceneError or
+    InputError.
+    """
+    start = preset(named).scene.differences() if named else {}
+    given = settings(pairs)
+    texts = {name: str(value) for name, value in start.items()} | given
+    file, profile, how = texts.pop("profile", None), None, how or {}
+    if file is None and "measured" not in how and how:
+        raise InputError(
+            f"--{next(iter(how))}: used with profile=FILE or --measured FILE; name a file, or leave it out"
+        )
+    notes: list[str] = []
+    if file is not None:
+        if given.get("surface", "measured") != "measured":
+            raise SceneError(
+                "surface", given["surface"], "allowed with profile=FILE: measured", "leave one of them out"
+            )
+        texts["surface"] = "measured"  # in place of the preset's
+        width = number_from_text("width", texts["width"]) if "width" in texts else None
+        profile = profile_of(file, width, how)
+    scene = scene_from_text(texts, profile, notes)
+    unused = [name for name in SET_BY_POINTS if scene.legs and name in given]
+    for note in [*notes, *(f"{name} is not used with path=points: the points set it." for name in unused)]:
+        print(note)
+    return scene
 
 
 def add_file(parser: argparse.ArgumentParser, option: str, content: str, **options: Any) -> None:
@@ -74,47 +102,6 @@ def _writable(file):
     if new:
         os.remove(file)
     return file
-
-
-def scene_of(pairs: Sequence[str], named: str | None = None) -> Scene:
-    """The Scene of NAME=VALUE arguments, over a preset if one is named; profile=FILE reads a measured surface.
-
-    Prints how ambiguous numbers were read, and which are not used. Raises SceneError or InputError.
-    """
-    start = preset(named).scene.differences() if named else {}
-    given = settings(pairs)
-    texts = {name: str(value) for name, value in start.items()} | given
-    file, unit, profile = texts.pop("profile", None), texts.pop("unit", None), None
-    if unit is not None and file is None:
-        raise InputError(f"unit = {unit!r}: used with profile=FILE only; leave it out, or name a file")
-    notes: list[str] = []
-    if file is not None:
-        if given.get("surface", "measured") != "measured":
-            raise SceneError(
-                "surface", given["surface"], "allowed with profile=FILE: measured", "leave one of them out"
-            )
-        texts["surface"] = "measured"  # in place of the preset's
-        width = number_from_text("width", texts["width"]) if "width" in texts else None
-        try:
-            profile = read_profile(Path(file), width, unit=unit)
-        except DataError as error:
-            raise InputError(f"profile = {file!r}: {error}") from None
-    scene = scene_from_text(texts, profile, notes)
-    unused = [name for name in SET_BY_POINTS if scene.legs and name in given]
-    for note in [*notes, *(f"{name} is not used with path=points: the points set it." for name in unused)]:
-        print(note)
-    return scene
-
-
-def settings(pairs: Sequence[str], option: str = "--set", form: str = "NAME=VALUE") -> dict[str, str]:
-    """{'name': 'text'} of the NAME=VALUE arguments of an option; raises InputError."""
-    texts = {}
-    for pair in pairs:
-        name, equals, text = pair.partition("=")
-        if not equals:
-            raise InputError(f"{option} {pair}: give {form}, NAME one of {', '.join(SETTABLE)}")
-        texts[name.strip()] = text.strip()
-    return texts
 
 
 def caution(sentences: Iterable[str]) -> None:

@@ -16,6 +16,7 @@ from ..results import Result, ended, with_progress
 from ..run.held_load import held_at
 from ..run.loadpath import deadline, time_limit
 from ..text import counted
+from .measured import add_curve, compared, curve_of, reading
 from .options import INTERRUPTED, NOT_CONVERGED, add_command, add_file, add_limit, caution, write
 
 # These small runs stick and slip: they load or compile every kernel before the clock starts. The patch of the first is
@@ -34,6 +35,7 @@ def add_run(commands: Any) -> None:
     load = "hold this normal load during the shear, in place of delta_bar and hold; negative for a pull"
     parser.add_argument("--load", type=float, metavar="N/m", help=load)
     add_limit(parser)
+    add_curve(parser)
     add_file(parser, "csv", "the curves: a row per increment")
     add_file(parser, "npz", "curves and fields of the increments after the approach")
     add_file(parser, "json", "scene, version, method and summary, for `verify`")
@@ -41,6 +43,7 @@ def add_run(commands: Any) -> None:
 
 def run(scene: Scene, arguments: argparse.Namespace) -> int:
     """Computes the experiment, writes the files asked for, prints a summary; returns the exit code."""
+    curve = curve_of(scene, reading(arguments))
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
@@ -65,6 +68,8 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     write(arguments.csv, lambda file: write_table(file, result.table))  # which imports pandas
     write(arguments.npz, write_npz, scene, frames, arguments.method)
     write(arguments.json, write_json, report)
+    if curve is not None:
+        print(compared(curve, result))
     if failure is not None:
         print(failure, file=sys.stderr)
     if result.outcome is Outcome.INTERRUPTED:

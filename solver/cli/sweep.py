@@ -10,7 +10,8 @@ from ..files import write_table
 from ..scene import LIMITS, PARAMETERS, Scene
 from ..schema import unknown_name
 from ..text import number_from_text
-from .options import NOT_CONVERGED, add_command, add_file, add_limit, count, settings, write
+from .options import NOT_CONVERGED, add_command, add_file, add_limit, count, write
+from .pairs import settings
 
 FORM = "NAME=VALUE,VALUE,..."
 COMPUTED = ("slips", "no slip")  # outcomes that are results

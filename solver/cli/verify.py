@@ -14,7 +14,8 @@ from ..files import SCHEMA, origin, plain
 from ..run.loadpath import time_limit
 from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
-from .options import NOT_CONVERGED, InputError, add_limit
+from .options import NOT_CONVERGED, add_limit
+from .pairs import InputError
 from .run import compute
 
 SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "L_off", "slips"  # of a summary

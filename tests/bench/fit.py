@@ -24,8 +24,8 @@ from pathlib import Path
 import numpy as np
 
 from solver import NotConverged, NotFollowed, Scene, SceneError, follow, skeleton_of
-from solver.analysis.fit import fit
-from solver.analysis.measurement import Measurement
+from solver.measured.fit import fit
+from solver.measured.measurement import Measurement
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from scenes import scene_of, slider_box

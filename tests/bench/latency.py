@@ -162,7 +162,9 @@ def drags(page, moves):
 LAY = """async (text) => {
   const began = performance.now(), dataTransfer = new DataTransfer()
   dataTransfer.items.add(new File([text], "curve.csv"))
-  document.dispatchEvent(new DragEvent("drop", { dataTransfer, cancelable: true, bubbles: true }))
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, cancelable: true, bubbles: true }))
+  while (document.getElementById("file-use")?.disabled ?? true) await new Promise(requestAnimationFrame)
+  document.getElementById("file-use").click()
   while (!charts.forces.parts.laid_F.x.length || punch.fresh) await new Promise(requestAnimationFrame)
   return performance.now() - began
 }"""

@@ -5,7 +5,7 @@ import io
 import re
 
 import pytest
-from served import PARABOLA, finished, from_menu, paused_at
+from served import finished, from_menu, paused_at
 
 pytestmark = pytest.mark.thorough
 AXIS = "charts.forces.across"
@@ -109,26 +109,3 @@ def test_punch_readout_table_curve_announcement_and_csv_show_the_same_force(look
     assert pytest.approx(F, rel=1e-5, abs=1e-3) == page.evaluate("[...punch.run.shear('F')]")
     page.keyboard.press("Escape")
     page.locator("#share").wait_for(state="hidden")
-
-
-def test_an_uploaded_profile_is_used_once_its_unit_is_known_and_an_invalid_one_keeps_the_run(look, tmp_path):
-    page = look("?u_x_max=4&du_x=0.5")
-    from_menu(page, "#parameters")
-    (tmp_path / "bad.csv").write_text("x,z\n0,1\n1,one\n")
-    page.set_input_files("#profile", tmp_path / "bad.csv")
-    page.wait_for_function("() => document.getElementById('profile-error').textContent.includes('line 3')")
-    assert page.evaluate("punch.run.number - before") == 1
-    (tmp_path / "wave.csv").write_text(PARABOLA)
-    page.set_input_files("#profile", tmp_path / "wave.csv")
-    page.get_by_role("radio", name="nm: 500 nm long, 6.25 nm high").wait_for()
-    page.get_by_role("radio", name="µm: 500 µm long, 6.25 µm high").check()
-    page.evaluate("punch.status = { ...punch.status }")  # a status that comes meanwhile leaves the question there
-    page.wait_for_function("!punch.fresh")
-    assert page.inner_text("#trace-says").startswith("The file names no unit. Choose the one that is right: 500 µm of")
-    page.get_by_role("radio", name="nm: 500 nm long").check()
-    page.get_by_role("button", name="Use it").click()
-    finished(page, run=2)
-    assert (
-        page.evaluate("punch.status.values.surface") == "measured" and page.evaluate("punch.status.values.width") == 500
-    )
-    assert "points" in page.inner_text("#notes") and page.locator("#profile-error").is_hidden()

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -35,7 +36,8 @@ from solver import (
 )
 from solver.cli import run
 from solver.cli.main import CLOSED_PIPE, CompilingNotice
-from solver.cli.options import InputError, scene_of
+from solver.cli.options import scene_of
+from solver.cli.pairs import InputError
 from solver.continuation.gfmd import Gfmd
 from solver.files import SCHEMA
 from solver.run.loadpath import METHODS
@@ -282,14 +284,67 @@ def test_a_measured_profile_is_read_reported_and_written(call, tmp_path):
 def test_the_unit_of_a_profile_that_names_none_is_given_beside_the_file(call, tmp_path):
     file = tmp_path / "hills.csv"
     file.write_text("".join(f"{x / 1000},{np.cos(2 * np.pi * x / 160) / 1000}\n" for x in range(161)))
-    assert scene_of([f"profile={file}", "unit=um", "nodes=64"]).width == pytest.approx(160.0)
-    with pytest.raises(InputError, match=r"^unit = 'um': used with profile=FILE only"):
-        scene_of(["unit=um"])
+    pairs = [f"profile={file}", "nodes=64"]
+    with pytest.raises(InputError, match=r"x has no unit; .*; add --units x=... z=...$"):
+        scene_of(pairs)
+    for units in ({"": "um"}, {"x": "um", "z": "um"}):
+        assert scene_of(pairs, None, {"units": units}).width == pytest.approx(160.0)
+    with pytest.raises(InputError, match=r"^--units: used with profile=FILE or --measured FILE"):
+        scene_of([], None, {"units": {"": "um"}})
+
+
+def followed(err, **dots):
+    """The options that a refusal names, their dots filled in."""
+    words = shlex.split(err.rsplit("; add ", 1)[1])
+    return [
+        f"{word[:-3]}{dots[word.partition('=')[0].lstrip('-')]}" if word.endswith("...") else word for word in words
+    ]
+
+
+def test_a_refused_profile_is_read_with_the_options_that_the_refusal_names(call, tmp_path):
+    file = tmp_path / "steep.csv"
+    rows = "".join(f"{x},{x / 1e3},{(20 * np.sin(x / 9) + x % 5) / 1e3}\n" for x in range(400))
+    file.write_text(f"Nr,Weg (um),Höhe (um)\n{rows}", encoding="utf-8")
+    small = ("run", "--set", f"profile={file}", "nodes=64", "du_z=0.5", "du_x=0.5", "u_x_max=0.5")
+    code, _, err = call(*small)
+    assert code == 2 and "2 'Weg' (um) 0 .. 0.399" in err
+    options = followed(err, x="Weg", z="Höhe")
+    code, _, err = call(*small, *options)
+    assert code == 2 and "--cut-off" in err and "cut_off" not in err
+    code, out, _ = call(*small, *followed(err))
+    assert code == 0 and "A Gaussian filter" in out
+
+
+def test_heights_alone_are_read_by_the_options_that_their_refusal_names(call, tmp_path):
+    file = tmp_path / "z.csv"
+    file.write_text("Height (nm)\n" + "".join(f"{4.0 * np.cos(0.1 * np.pi * k):.6g}\n" for k in range(129)))
+    words = ("run", "--set", f"profile={file}", "nodes=128", "du_z=0.5", "du_x=0.5", "u_x_max=0.5")
+    code, _, err = call(*words)
+    assert code == 2 and "one column; needed: two columns: x, z in nm, or take none for x" in err
+    assert err.rstrip().endswith("; add --columns x=none z=Height --units x=... z=nm")
+    code, out, _ = call(*words, "--columns", "x=none", "z=Height", "--units", "x=5 nm", "z=nm")
+    assert code == 0 and "x is read as 5 nm" in out
+
+
+def test_a_measured_curve_is_compared_once_the_options_that_its_refusal_names_are_given(call, tmp_path):
+    file = tmp_path / "press.csv"
+    result = simulate(Scene(nodes=64, width=160.0, radius=0.6, path="unload", du_z=0.5, delta_bar=0.3))
+    rows = "".join(f"{frame.delta / 1e3:.9g},{-1e-3 * frame.L:.9g}\n" for frame in result.frames)
+    file.write_text(f"Displacement (um),Force (N)\n{rows}")
+    small = ("run", "--set", "nodes=64", "width=160", "radius=0.6", "path=unload", "du_z=0.5", "delta_bar=0.3")
+    code, _, err = call(*small, "--measured", file)
+    assert code == 2 and err.startswith(f"--measured {file}: a displacement and a force")
+    code, _, err = call(*small, "--measured", file, "--kind", "load")
+    assert code == 2 and "--sign L=..." in err and "sign=" not in err
+    code, out, _ = call(*small, "--measured", file, "--kind", "load", "--sign", "L=-1")
+    assert code == 0 and "N/m apart (rms)" in out
+    code, _, err = call(*small, "--measured", file, "--kind", "load", "--columns", "q=3")
+    assert code == 2 and "columns has 'q'; allowed: U_x, delta" in err
 
 
 def test_a_profile_replaces_the_surface_of_a_preset_but_not_one_that_is_named(tmp_path):
     file = tmp_path / "hills.csv"
-    file.write_text("x,z\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
+    file.write_text("x (nm),z (nm)\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))
     small = [f"profile={file}", "width=160", "nodes=64"]
     scene = scene_of(small, "rough")
     assert scene.surface == "measured" and scene.measured == read_profile(file)
@@ -300,7 +355,9 @@ def test_a_profile_replaces_the_surface_of_a_preset_but_not_one_that_is_named(tm
         scene_of([*small, "surface=wave"])
 
 
-@pytest.mark.parametrize(("text", "reason"), [("x,z\n1,2\n1,3\n", "line 3: x = 1 after 1"), (None, "is not a file")])
+@pytest.mark.parametrize(
+    ("text", "reason"), [("x (nm),z (nm)\n1,2\n1,3\n", "line 3: x = 1 after 1"), (None, "is not a file")]
+)
 def test_a_bad_profile_gives_one_line_and_exit_code_two(call, tmp_path, text, reason):
     file = tmp_path / "bad.csv"
     if text is not None:

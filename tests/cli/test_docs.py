@@ -141,7 +141,7 @@ def test_docstrings_of_exported_functions_name_parameters_result_and_errors(name
 @pytest.mark.slow
 def test_examples_in_docstrings_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path("profile.csv").write_text("x,z\n" + "\n".join(f"{x},{np.sin(x / 10):.6f}" for x in range(300)))
+    Path("profile.csv").write_text("x (nm),z (nm)\n" + "\n".join(f"{x},{np.sin(x / 10):.6f}" for x in range(300)))
     size = {"nodes": 128, "width": 312.5}  # the default, an eighth as wide
     table = solver.simulate(solver.Scene(**size, u_x_max=12.0, du_x=0.25, du_z=0.5)).table
     table[table["stage"] == "shear"][["U_x (nm)", "F (N/m)"]].to_csv("measured.csv", index=False)

@@ -153,7 +153,8 @@ def test_cautions_reach_python_html_and_json(tmp_path):
 
 def test_notes_on_a_profile_reach_python():
     x = np.linspace(0.0, 160.0, 129)
-    profile = read_profile("\n".join(f"{a},{5.0 * np.exp(-(((a - 80.0) / 30.0) ** 2))}" for a in x))
+    rows = "\n".join(f"{a},{5.0 * np.exp(-(((a - 80.0) / 30.0) ** 2))}" for a in x)
+    profile = read_profile(rows, unit="nm")
     scene = Scene(surface="measured", measured=profile, width=160.0, nodes=64, u_x_max=0.2)
     assert f"Profile: {profile.notes[0]}" in repr(simulate(scene))
 
@@ -305,12 +306,12 @@ def test_a_notebook_shows_what_differs_the_first_slip_and_a_curve(result):
 
 def test_importing_the_solver_and_its_command_imports_no_web_stack_and_no_analysis_but_offers_all_exports():
     heavy = ["panel", "bokeh", "holoviews", "pandas", "tornado", "tqdm", "prometheus_client"]
-    analysis = [f"solver.analysis.{name}" for name in ("fit", "sensitivities", "maps")]
+    analysis = ["solver.measured", *(f"solver.analysis.{name}" for name in ("sensitivities", "maps"))]
     code = f"""
 import sys, solver
 print({{*{heavy + analysis}}} & {{*sys.modules}}, {{*solver.__all__}} - {{*dir(solver)}})
 solver.fit
-print("solver.analysis.fit" in sys.modules)
+print("solver.measured.fit" in sys.modules)
 import solver.cli
 from solver.accuracy import measure, report
 print({{*{heavy}}} & {{*sys.modules}})

@@ -31,6 +31,7 @@ from tornado.websocket import WebSocketClosedError
 from app import interface
 from app.environment import VISITORS
 from app.experiment import Experiment
+from app.features.files import feature as files
 from app.features.lesson import feature as lesson
 from app.features.share.feature import FORMATS
 from app.session import orders
@@ -49,6 +50,12 @@ FITTING = {  # by the test of a field: values of which some pass
     orders.is_flag: [True, False],
     orders.are_entries: [{"E": "80"}, {"delta_bar": 0.3}, {"nodes": 64, "path": "loop"}, {"__class__": "1"}],
     orders.is_address: [{}, {"preset": "fig9"}, {"preset": "fig99", "E": "70"}],
+    files.is_kind: ["", "surface", "load"],
+    files.are_columns: [{"x": 0, "z": 1}, {"U_x": 1, "F": 99}],
+    files.are_units: [{"x": "nm", "z": "0.5 um"}, {"F": "N/m"}],
+    files.are_signs: [{"L": -1}],
+    files.is_part: [[0.2, 0.5]],
+    files.are_stages: [["approach", "shear"], ["none"]],
     FORMATS.__contains__: list(FORMATS),
     lesson.PHASES.__contains__: list(lesson.PHASES),
     lesson.ASKED.__contains__: list(lesson.ASKED),
@@ -95,7 +102,7 @@ def event(tab, dice):
     div = {"type": "object", "name": "Div", "id": "x1", "attributes": {"text": "x" * 5000}}
     return dice.choice(
         [
-            {"kind": "ModelChanged", "model": wire, "attr": "profile", "new": {"type": "bytes", "data": BOMB}},
+            {"kind": "ModelChanged", "model": wire, "attr": "piece", "new": {"type": "bytes", "data": BOMB}},
             {"kind": "ModelChanged", "model": wire, "attr": "name", "new": "mine"},
             {"kind": "ModelChanged", "model": wire, "attr": "scene", "new": dice.choice(ODD)},
             {"kind": "ModelChanged", "model": wire, "attr": "vote", "new": {"type": "map", "entries": [[[], {}]]}},

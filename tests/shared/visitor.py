@@ -178,8 +178,10 @@ def say(session, order):
 
 
 def send_file(session, text, **chosen):
-    """Give an order that brings a file with this text, and what is chosen of it."""
-    order(session, "profile", content=text.encode(), **chosen)
+    """Give the orders that bring a file with this text, and use it as chosen."""
+    content = text.encode()
+    order(session, "piece", at=0, of=len(content), content=content)
+    order(session, "choice", turn=1, use=True, **chosen)
 
 
 def order(session, what, /, n=1, **values):

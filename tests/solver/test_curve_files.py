@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from solver import DataError, Scene, fit, read_measurement, simulate
-from solver.analysis.loop_fit import POINTS, LoopModel
-from solver.analysis.measurement import Measurement
-from solver.analysis.recording import turns_of
+from solver.measured.loop_fit import POINTS, LoopModel
+from solver.measured.measurement import Measurement
+from solver.measured.recording import turns_of
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=8.0, du_x=0.2, du_z=0.5, E=30.0)
 NOISE = 0.01  # of the largest force
@@ -50,9 +50,7 @@ LOADS = {  # {heading, in which delta and load have these factors: (factor of de
     "delta (nm),L (N/m)": (1.0, 1.0, "N/m"),
     "indentation depth (um);normal force (mN/m)": (1e-3, 1e3, "N/m"),
     "height (nm),force (nN)": (-1.0, 1e9, "N"),
-    "Z-Sense(nm)\tforce (uN)": (1.0, 1e6, "N"),
     "Separation / nm,Load / N": (-1.0, 1.0, "N"),
-    "displacement (um),load (mN)": (1e-3, 1e3, "N"),
 }
 
 
@@ -76,29 +74,119 @@ def test_a_pause_between_approach_and_retraction_is_a_hold():
     assert found.segments[1].x.size == pytest.approx(30, abs=3)
 
 
-def test_segments_side_by_side_are_two_and_a_voltage_takes_the_factors_that_the_file_names():
-    above = "Force Constant, nN/nm:\t2.0\nLight Lever Gain, mV/nm:\t4.0\n"
+def filled(refused, **dots):
+    """The arguments of the call that a refusal names, its dots filled in."""
+    call = {name: dict(value) if isinstance(value, dict) else value for name, value in refused.value.call.items()}
+    for name, value in dots.items():
+        if isinstance(value, dict):
+            assert all(call[name][key] is ... for key in value), call
+            call[name] |= value
+        else:
+            assert call[name] is ...
+            call[name] = value
+    assert "..." not in repr(call) and "Ellipsis" not in repr(call)
+    return call
+
+
+def test_columns_side_by_side_a_voltage_and_a_sensor_that_may_count_either_way_are_asked_for():
     heading = "Extend Z-Sense(nm),Extend T-B(V),Retract Z-Sense(nm),Retract T-B(V)"
-    text = table(heading, DOWN, LOAD, DOWN[::-1], LOAD[::-1], above=above)
-    found = read_measurement(SMALL, text)
-    assert names_of(found) == ["approach", "retract"] and found.units["L"] == "N"
-    assert found.segments[0].values["L"] == pytest.approx(LOAD * 1e3 / 4.0 * 2.0 * 1e-9, rel=1e-6)
-    assert found.notes[0] == "Extend T-B in V: over a gain of 4 mV/nm, times 2 N/m."
-    with pytest.raises(DataError, match=r"Extend T-B in 'V'; allowed units: .*give force= \(N/m per unit\)"):
-        read_measurement(SMALL, text.split("\n", 2)[2])
+    text = table(heading, -DOWN, LOAD, -DOWN[::-1], LOAD[::-1], above="Force Constant, nN/nm:\t2.0\n")
+    with pytest.raises(
+        DataError, match=r'Retract Z-Sense.*call read_measurement\(scene, source, kind="load", columns=\{'
+    ) as refused:
+        read_measurement(SMALL, text, kind="load")
+    columns = {"delta": "Extend Z-Sense", "L": "Extend T-B"}
+    call = filled(refused, columns=columns, units={"L": "500 nN"}) | {"sign": {"delta": -1}}
+    with pytest.raises(DataError, match=r"^Extend T-B in 'V'; allowed units: N/m.* or what 1 is, as \"0.5 nN\""):
+        read_measurement(SMALL, text, kind="load", columns=columns)
+    found = read_measurement(SMALL, text, **call)
+    assert names_of(found) == ["approach"] and found.units["L"] == "N" and found.free
+    assert found.segments[0].values["L"] == pytest.approx(LOAD * 500e-9, rel=1e-6)
+    assert found.segments[0].x == pytest.approx(DOWN, abs=1e-6)
+    stiff = read_measurement(SMALL, text, **call, deflection=2.0)
+    assert stiff.segments[0].x == pytest.approx(DOWN - 250.0 * LOAD, rel=1e-6)
 
 
-def test_a_heading_behind_a_mark_with_named_segments_and_the_units_of_its_writer_is_read():
-    """As afmformats writes them: metres and newtons, neither named, and the first row glued to the heading."""
-    lines = ["# afmformats 0.13.3", "# BEGIN METADATA", '#   "spring constant": 0.022,', "# END METADATA"]
-    rows = [
-        f"{L * 1e-9:.9g}\t{-d * 1e-9:.9g}\t{way}" for way in ("False", "True") for d, L in zip(DOWN, LOAD, strict=True)
-    ]
-    text = "\n".join([*lines, "# force\theight (measured)\tsegment", *rows])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_sensor_that_may_count_either_way_asks_for_its_sign_and_names_the_likely_one(way):
+    text = table("Z-Sense(nm)\tforce (uN)", *there_and_back(way * DOWN, 1e6 * LOAD), separator="\t")
+    with pytest.raises(DataError, match=rf'to contact\? .*sign=\{{"delta": {way:g}\}}\)$') as refused:
+        read_measurement(SMALL, text)
+    found = read_measurement(SMALL, text, **filled(refused))
+    assert names_of(found) == ["approach", "retract"] and found.segments[0].x == pytest.approx(DOWN)
+
+
+def test_a_displacement_and_a_force_may_be_of_a_press_and_ask_for_the_kind():
+    text = table("Displacement (um),Force (mN)", *there_and_back(1e-3 * DOWN, 1e3 * LOAD))
+    with pytest.raises(DataError, match=r"or into it \(load\).*kind=...\)$") as refused:
+        read_measurement(SMALL, text)
+    pressed = read_measurement(SMALL, text, **filled(refused, kind="load"))
+    assert (pressed.kind, names_of(pressed), pressed.units["L"]) == ("load", ["approach", "retract"], "N")
+    assert pressed.segments[0].values["L"] == pytest.approx(LOAD) and pressed.segments[0].x == pytest.approx(DOWN)
+    assert read_measurement(SMALL, text, kind="loop").kind == "loop"
+    with pytest.raises(DataError, match=r"^U_x goes to and fro in 2 strokes; call .*kind=\"loop\"\)$"):
+        read_measurement(SMALL, text, kind="friction")
+
+
+@pytest.mark.parametrize("heading", ["time (s),Fx (N/m),Fz (N/m)", "U_x (nm),F (N/m),L (N/m)"])
+def test_a_load_that_may_be_counted_downwards_asks_for_its_sign(heading):
+    text = table(heading, TIMED, np.sin(TIMED), -2.0 - TIMED)
+    speed = 5.0 if "time" in heading else None
+    with pytest.raises(DataError, match=r"^L is negative.*sign=\{\"L\": ...\}\)$") as refused:
+        read_measurement(SMALL, text, speed=speed)
+    found = read_measurement(SMALL, text, **filled(refused, sign={"L": -1}))
+    assert found.values["L_bar"] * found.unit == pytest.approx(2.0 + TIMED)
+    without = read_measurement(SMALL, text, speed=speed, columns={"L": None})
+    assert "L_bar" not in without.values
+
+
+def test_a_load_that_falls_towards_contact_asks_for_its_sign():
+    text = table("delta (nm),L (N/m)", *there_and_back(DOWN, -LOAD))
+    with pytest.raises(DataError, match=r"^L falls as the surfaces approach") as refused:
+        read_measurement(SMALL, text)
+    found = read_measurement(SMALL, text, **filled(refused, sign={"L": -1}))
+    assert found.segments[0].values["L"] == pytest.approx(LOAD)
+
+
+def test_names_units_and_segments_that_a_file_labels_are_read():
+    """As the text exports of some force microscopes have them, one table for each segment."""
+    above = (
+        '# columns: height vDeflection seriesTime\n# fancyNames: "Height" "Deflection" "Series Time"\n# units: m N s'
+    )
+    text = ""
+    for name, way in (("extend", slice(None)), ("pause", slice(50, None)), ("retract", slice(None, None, -1))):
+        rows = table(f"# segment: {name}\n{above}", 1e-6 - 1e-9 * DOWN[way], 1e-9 * LOAD[way], DOWN[way], separator=" ")
+        text += f"{rows}\n\n"
     found = read_measurement(SMALL, text)
-    assert (names_of(found), found.units["L"]) == (["approach", "retract"], "N")
-    assert np.ptp(found.segments[0].x) == pytest.approx(np.ptp(DOWN), rel=1e-6)
-    assert found.said["spring constant"] == "0.022"
+    assert (found.kind, names_of(found), found.units["L"]) == ("load", ["approach", "hold", "retract"], "N")
+    assert found.segments[0].x - found.segments[0].x[0] == pytest.approx(DOWN - DOWN[0], abs=1e-5)
+    assert found.segments[2].values["L"] == pytest.approx(1e-9 * LOAD[::-1], rel=1e-6)
+
+
+def test_a_part_of_a_long_curve_is_compared_with_a_run_that_is_shorter():
+    """A curve of 3 um, beside a run of some 10 nm: only the part around the contact has both."""
+    result = simulate(SMALL.changed(path="unload"))
+    frames = [frame for frame in result.frames if frame.stage == "approach"]
+    delta, L = (np.array([getattr(frame, name) for frame in frames]) for name in ("delta", "L"))
+    far = np.linspace(-3000.0, delta[0] - 1.0, 300)
+    text = table("height (nm),force (N)", -np.append(far, delta), np.append(0.0 * far, 1e-9 * L))
+    whole = read_measurement(SMALL, text, sign={"L": 1})  # it pulls all the way
+    with pytest.raises(ValueError, match=r"the curve covers -3000 .. .* nm, the run .* part=\(from, to\)"):
+        whole.residuals(result)
+    part = read_measurement(SMALL, text, part=(delta[0] - 0.5, delta[-1] + 0.5), sign={"L": 1})
+    assert part.segments[0].x == pytest.approx(delta) and "points are used, from" in " ".join(part.notes)
+    assert part.residuals(result).scale == pytest.approx(1e9, rel=1e-3)
+    with pytest.raises(DataError, match=r"^part = .*: 0 points of -3000 .. .* nm; give a part of that"):
+        read_measurement(SMALL, text, part=(100.0, 200.0), sign={"L": 1})
+
+
+@pytest.mark.parametrize("x", [np.repeat([0.0, 40.0], 20), np.append(np.zeros(30), 4000.0 + np.arange(30.0))])
+def test_a_scale_and_a_zero_need_points_at_three_places(x):
+    data = read_measurement(SMALL, table("U_x (nm),F (N)", x, np.sin(np.arange(x.size))))
+    with pytest.raises(
+        ValueError, match=r"^a scale and a zero need three points at different places.* the run 0 .. 8 nm"
+    ):
+        data.residuals(simulate(SMALL))
 
 
 def test_a_load_is_compared_with_a_run_whose_zero_and_scale_are_not_known():
@@ -134,6 +222,14 @@ def test_the_file_of_a_computed_loop_is_read_as_one(tmp_path, loop):
     found = read_measurement(SMALL, tmp_path / "loop.csv")
     assert (found.kind, names_of(found)) == ("loop", ["forth", "back", "forth"])
     assert found.residuals(loop).rms == pytest.approx({"F": 0.0, "L": 0.0, "A": 0.0}, abs=1e-6)
+
+
+def test_the_file_of_a_computed_retraction_is_read_as_a_load(tmp_path):
+    result = simulate(SMALL.changed(path="unload"))
+    result.save(tmp_path / "unload.csv")
+    found = read_measurement(SMALL, tmp_path / "unload.csv")
+    assert (found.kind, names_of(found)) == ("load", ["approach", "retract", "approach"])
+    assert found.residuals(result).rms["L"] < 1e-6
 
 
 @pytest.mark.once
@@ -183,13 +279,12 @@ TIMED = np.linspace(0.0, 2.0, 50)
 @pytest.mark.parametrize(
     ("above", "speed", "heading"),
     [
-        ("Speed: 5 nm/s\n", None, "Time (s),Fx (N/m),Fz (N/m)"),
-        ("Velocity (um/s) = 0.005\n", None, "Time (s),Fx (N/m),Fz (N/m)"),
+        ("Speed: 5 nm/s\n", 5.0, "Time (s),Fx (N/m),Fz (N/m)"),
         ("", 5.0, "t (s),friction (N/m),normal load (N/m)"),
         ("Velocity = 240\n", 5.0, "Fx,Fz,T"),
     ],
 )
-def test_friction_over_time_takes_the_speed_that_is_said_or_given(above, speed, heading):
+def test_friction_over_time_takes_the_speed_that_is_given(above, speed, heading):
     F, L = 3.0 * np.sin(TIMED), 2.0 + TIMED
     columns = (F, L, TIMED) if heading == "Fx,Fz,T" else (TIMED, F, L)
     rows = table(heading, *columns, above=above)
@@ -211,24 +306,31 @@ def test_what_is_given_beside_what_the_file_says_is_named_or_refused():
             read_measurement(SMALL, table(f"U_x (nm),{unit}", TIMED, TIMED), force=3.0)
 
 
-def test_a_row_that_a_writer_left_in_the_heading_is_named():
-    heading = "# force\theight (measured)\ttime-6.77e-10\t5.5e-05\t1.1"
-    text = table("# afmformats 0.13.3", 1e-9 * LOAD, -1e-9 * DOWN, np.arange(DOWN.size), separator="\t")
-    text = text.replace("# afmformats 0.13.3", f"# afmformats 0.13.3\n{heading}")
-    found = read_measurement(SMALL, text)
-    assert found.kind == "load" and "the first row stands in the heading" in found.notes[0]
+def test_of_two_friction_forces_and_a_height_beside_a_load_one_is_asked_for():
+    """A tribometer's table: Z and Fz alone would be a load."""
+    text = table("Fx,Fz,Z,T,Ff\ng,g,mm,sec,g", np.sin(TIMED), 2.0 + TIMED, TIMED, TIMED, np.sin(TIMED))
+    with pytest.raises(DataError, match=r'columns=\{"time": "T", "F": ...\}\)$') as refused:
+        read_measurement(SMALL, text, speed=5.0)
+    found = read_measurement(SMALL, text, **filled(refused, columns={"F": "Ff"}), part=(2.0, 8.0))
+    assert (found.kind, found.units["F"]) == ("friction", "N") and np.ptp(found.segments[0].x) <= 6.0
 
 
 def test_friction_over_time_without_a_speed_is_refused_with_what_the_file_says():
     text = table("Time (s),Fx (N/m),Fz (N/m)", TIMED, TIMED, TIMED, above="Velocity = 240\n")
-    with pytest.raises(DataError, match=r"the file says Velocity = 240, without a unit; give speed= \(nm/s\)"):
+    with pytest.raises(DataError, match=r"the file says Velocity = 240; call .*, speed=...\)$") as refused:
         read_measurement(SMALL, text)
+    assert read_measurement(SMALL, text, **filled(refused, speed=240.0)).U_x == pytest.approx(240.0 * TIMED)
 
 
-def test_another_table_in_the_file_is_left_out_and_named():
-    one = table("Time (s),Fx (N/m)", TIMED, np.sin(TIMED))
-    found = read_measurement(SMALL, f"{one}\n\nStep No. 2\n{one}", speed=5.0)
-    assert found.U_x.size == TIMED.size and found.notes == ("line 54 begins another table: left out.",)
+def test_several_tables_are_asked_for():
+    first, second = (table("Time (s),Fx (N/m)", TIMED, k * np.sin(TIMED)) for k in (1.0, 2.0))
+    text = f"{first}\n\nStep No. 2\n{second}"
+    with pytest.raises(DataError, match=r"^2 tables, which begin at lines 2, 55; call .*channel=...\)$") as refused:
+        read_measurement(SMALL, text, speed=5.0)
+    found = read_measurement(SMALL, text, **filled(refused, channel=2))
+    assert found.U_x.size == TIMED.size and found.values["F_bar"] * found.unit == pytest.approx(2.0 * np.sin(TIMED))
+    short = read_measurement(SMALL, f"{first}\n\nStep No. 2\nTime (s),Fx (N/m)\n1,2\n2,3", speed=5.0)
+    assert "line 55 begins another table: left out." in short.notes
 
 
 def test_forces_without_a_width_are_kept_in_newtons_and_no_fit_takes_them():
@@ -263,9 +365,14 @@ def test_an_area_over_a_force_is_read_relative_or_in_nm_and_compared():
 # Units that stand nowhere, and points of one place
 
 
-def test_a_missing_unit_is_said():
-    found = read_measurement(SMALL, table("U_x,F", TIMED, TIMED))
-    assert found.notes == ("no unit found: U_x as nm and F as N/m read; if that is wrong, write it in the heading.",)
+def test_a_missing_unit_is_asked_for():
+    text = table("U_x,F", TIMED, TIMED)
+    with pytest.raises(DataError, match=r'^U_x has no unit; .*units=\{"U_x": ..., "F": ...\}\)$') as refused:
+        read_measurement(SMALL, text)
+    found = read_measurement(SMALL, text, **filled(refused, units={"U_x": "um", "F": "mN/m"}))
+    assert found.U_x == pytest.approx(1e3 * TIMED) and found.values["F_bar"] * found.unit == pytest.approx(1e-3 * TIMED)
+    with pytest.raises(DataError, match=r"units\['F'\] = 'N/m', but the file names mN/m; leave it out"):
+        read_measurement(SMALL, table("U_x (nm),F (mN/m)", TIMED, TIMED), units={"F": "N/m"})
 
 
 def test_two_points_at_a_slip_may_have_one_displacement(loop):

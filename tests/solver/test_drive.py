@@ -11,14 +11,14 @@ from scipy.optimize import brentq
 from spectrum import growth
 
 from solver import Scene, SceneError, load_path, simulate
-from solver.analysis.fit import fit
 from solver.analysis.friction_laws import critical_modulus, friction, friction_force
-from solver.analysis.measurement import Measurement
 from solver.analysis.partial import continuous
 from solver.analysis.sensitivities import sensitivities
 from solver.continuation.state import NotConverged, Restless
 from solver.following.follow import follow
 from solver.following.from_run import skeleton_of
+from solver.measured.fit import fit
+from solver.measured.measurement import Measurement
 from solver.run.frame import slips_in
 from solver.run.load_steps import load_steps_of
 from solver.run.loadpath import with_remedy

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from solver import NotConverged, NotFollowed, Scene, follow, simulate, skeleton_of
-from solver.analysis.curve_files import read_measurement
-from solver.analysis.fit import fit
-from solver.analysis.measurement import DataError, Measurement, noise_of
-from solver.analysis.trial import Model
+from solver.measured.curves import read_measurement
+from solver.measured.fit import fit
+from solver.measured.measurement import DataError, Measurement, noise_of
+from solver.measured.trial import Model
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=12.0, du_x=0.2, du_z=0.5, E=30.0)
 WIDE = Scene(nodes=128, width=312.5, delta_bar=0.1, u_x_max=20.0)  # an eighth of the default
@@ -207,11 +207,14 @@ def test_a_curve_that_no_parameter_makes_does_not_fit(skeleton):
     "text, said",
     [
         ("a,b\n1,2\n", "needed: U_x"),
-        ("U_x,F_bar\n" + "".join(f"{-k},{k}\n" for k in range(9)), "U_x falls from first to last; turn the signs"),
-        ("U_x,F_bar\n" + "".join(f"{k % 2},{k}\n" for k in range(20)), "1 after 2 points is a turn; sort the lines"),
-        ("U_x,F_bar\n1,x\n", "line 2.*not a number"),
-        ("U_x,F_bar\n1,2,3\n", "line 2: 3 columns"),
-        ("U_x,F_bar\n1,2\n", "points: 1"),
+        ("U_x (nm),F_bar\n" + "".join(f"{-k},{k}\n" for k in range(9)), "U_x falls from first to last; turn the signs"),
+        (
+            "U_x (nm),F_bar\n" + "".join(f"{k % 2},{k}\n" for k in range(20)),
+            "1 after 2 points is a turn; sort the lines",
+        ),
+        ("U_x,F_bar\n1,2\n1,x\n", "line 3.*not a number"),
+        ("U_x,F_bar\n1,2\n1,2,3\n", "line 3: 3 columns"),
+        ("U_x (nm),F_bar\n1,2\n", "points: 1"),
         ("U_x,F_bar\n", "line 2: no points"),
         ("U_x (ft),F_bar\n1,2\n", "U_x in 'ft'; allowed units: nm"),
     ],
@@ -228,10 +231,10 @@ FORMS = {
     "heading of the page": ("U_x (nm),F (N/m)", ",", str),
     "semicolons and decimal commas": ("U_x (nm);F (N/m)", ";", lambda x: str(x).replace(".", ",")),
     "micrometres and millinewtons": ("U_x [um]\tF/mN/m", "\t", str),
-    "tabs and decimal commas": ("U_x\tF", "\t", lambda x: str(x).replace(".", ",")),
+    "tabs and decimal commas": ("U_x (nm)\tF (N/m)", "\t", lambda x: str(x).replace(".", ",")),
     "blanks": ("U_x (nm)  F (N/m)", "  ", str),
-    "lines above the heading": ("Probe 3\n\n2024, run 7\nU_x,F", ",", str),
-    "other columns": ('"t (s)","U_x","F"', ",", str),
+    "lines above the heading": ("Probe 3\n\n2024, run 7\nU_x (nm),F (N/m)", ",", str),
+    "other columns": ('"t (s)","U_x (nm)","F (N/m)"', ",", str),
 }
 
 
@@ -246,8 +249,10 @@ def test_usual_forms_of_a_file_are_read(form):
     assert data.values["F_bar"] * data.unit == pytest.approx([F for _, F in ROWS])
 
 
-@pytest.mark.parametrize("displacement", ["Ux", "u_x", "displacement", "U_x / nm", "Lateral displacement (nm)"])
-@pytest.mark.parametrize("force", ["force", "F (N m^-1)", "F / mN/mm", "Friction force [N·m⁻¹]"])
+@pytest.mark.parametrize(
+    "displacement", ["Ux (nm)", "u_x [nm]", "sliding distance in nm", "U_x / nm", "Lateral displacement (nm)"]
+)
+@pytest.mark.parametrize("force", ["force (N/m)", "F (N m^-1)", "F / mN/mm", "Friction force [N·m⁻¹]"])
 def test_usual_headings_are_understood(displacement, force):
     lines = [f"{displacement},{force}", *(f"{x},{F}" for x, F in ROWS)]
     data = read_measurement(SMALL, "\n".join(lines))
@@ -257,7 +262,7 @@ def test_usual_headings_are_understood(displacement, force):
 
 def test_further_columns_of_a_measurement_are_reported():
     data = read_measurement(SMALL, "\n".join(["t (s),U_x (nm),F (N/m)", *(f"0,{x},{F}" for x, F in ROWS)]))
-    assert data.notes == ("not used: t.",)
+    assert data.notes == ("Not used: t.",)
 
 
 def test_the_curve_of_a_result_is_read_back_in_its_units(tmp_path, monkeypatch):
@@ -311,7 +316,7 @@ def test_rows_without_a_number_are_left_out_and_reported():
 
 def staged(*stages):
     """A file of ROWS in each of these stages."""
-    return StringIO("\n".join(["U_x,F,stage", *(f"{x},{F},{stage}" for stage in stages for x, F in ROWS)]))
+    return StringIO("\n".join(["U_x (nm),F (N/m),stage", *(f"{x},{F},{stage}" for stage in stages for x, F in ROWS)]))
 
 
 def test_only_the_shear_of_a_run_is_read():
@@ -335,7 +340,7 @@ def test_stages_of_retraction_without_delta_are_refused():
     ],
 )
 def test_a_load_that_is_not_used_is_reported(heading, names, notes):
-    data = read_measurement(SMALL, StringIO("\n".join([heading, *(f"{x},{F},{-F}" for x, F in ROWS)])))
+    data = read_measurement(SMALL, StringIO("\n".join([heading, *(f"{x},{F},{F}" for x, F in ROWS)])))
     assert (list(data.values), list(data.notes)) == (names, notes)
 
 
@@ -348,7 +353,7 @@ def test_binary_content_is_rejected_and_not_echoed(text):
 
 def test_forces_in_newtons_per_metre_are_read(tmp_path):
     file = tmp_path / "curve.csv"
-    file.write_text("U_x,F\n" + "".join(f"{k},{k * k}\n" for k in range(1, 11)))
+    file.write_text("U_x (nm),F (N/m)\n" + "".join(f"{k},{k * k}\n" for k in range(1, 11)))
     found = read_measurement(SMALL, file)
     assert found.values["F_bar"][-1] == pytest.approx(100.0 / (SMALL.width * SMALL.E))
 

@@ -13,8 +13,8 @@ import solver
 
 HERE = Path(solver.__file__).parent
 ROOMS = ["mechanics", "continuation", "run", "following"]
-CORE = ["schema.py", "surfaces.py", "scene.py", "text.py", "profile.py", *ROOMS]
-REPORTS = {"analysis", "accuracy"}
+CORE = ["schema.py", "surfaces.py", "scene.py", "text.py", *ROOMS]
+REPORTS = {"analysis", "accuracy", "measured"}
 NUMERICS = {"numpy", "scipy", "numba", "llvmlite", "pyfftw"}  # llvmlite belongs to Numba
 STANDARD = sys.stdlib_module_names
 

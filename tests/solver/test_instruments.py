@@ -1,5 +1,6 @@
 """Files of instruments, through SurfaceTopography: written here by that package, or by hand."""
 
+import struct
 import sys
 
 import numpy as np
@@ -7,9 +8,9 @@ import pytest
 from SurfaceTopography import Topography, UniformLineScan
 
 from solver import DataError, read_profile
-from solver.instruments import is_instruments, read_line
-from solver.length_units import factor
-from solver.smoothing import ALPHA, least_cut_off, smoothed
+from solver.measured.instruments import is_instruments, read_line
+from solver.measured.smoothing import ALPHA, least_cut_off, smoothed
+from solver.measured.units import factor
 
 X = np.arange(400) * 2.5  # nm
 HILLS = 4.0 * np.cos(2.0 * np.pi * X / 250.0)
@@ -76,6 +77,46 @@ def test_an_unknown_file_and_a_missing_package_are_refused_with_a_remedy(monkeyp
         read_profile(b"\0\1\2" * 100)
 
 
+def igor_wave(columns):
+    """The bytes of a binary wave of Igor, version 5, of columns of heights (m), 2.5 nm apart."""
+    n, count = columns[0].size, len(columns)
+    header = struct.pack("<iIIi2h6sh32s2i4i8d4s16s", 0, 0, 0, n * count, 4, 0, b"", 1, b"wave", 0, 0, n, count, 0, 0,
+                         2.5e-9, *[1.0] * 3, *[0.0] * 4, b"m", b"m")  # fmt: skip
+    header += bytes(320 - len(header))
+    sizes = struct.pack("<4i8i3i", 320 + 8 * n * count, 0, 0, 0, *[0] * 8, 0, 0, 0)
+    whole = np.frombuffer(struct.pack("<2h", 5, 0) + sizes + header, "<i2")
+    return (
+        struct.pack("<Hh", 5, (-int(whole.sum()) + 2**15) % 2**16 - 2**15)
+        + sizes
+        + header
+        + b"".join(column.astype("<f8").tobytes() for column in columns)
+    )
+
+
+def test_of_several_channels_one_is_asked_for():
+    """The columns of a binary wave of Igor are channels, not lines of a map."""
+    content = igor_wave([0.5e-9 * HILLS, 1e-9 * HILLS])
+    with pytest.raises(DataError, match=r"^2 channels: 1 '.*', 2 '.*'; call read_profile\(source, channel=...\)$"):
+        read_profile(content)
+    for channel, height in ((1, 4.0), ("2", 8.0)):
+        assert np.ptp(read_profile(content, channel=channel).z) == pytest.approx(height)
+    with pytest.raises(DataError, match=r"^channel = 3: allowed: 1 '.*', 2 '.*'; give one of these"):
+        read_profile(content, channel=3)
+
+
+@pytest.mark.parametrize(
+    ("content", "what"),
+    [
+        (b"PK\3\4\0\0surface/main.xml\0", "an X3P in a folder; zip the files without their folder"),
+        (b"DSCOMPRESSED\0\0", "a compressed SUR; save it without compression"),
+        (b"PK\3\4\0\0a.csv\0", "an archive without a known file; unpack it"),
+    ],
+)
+def test_what_the_library_cannot_read_is_named_with_what_can_be_done(content, what):
+    with pytest.raises(DataError, match=f"^(this is )?{what}"):
+        read_profile(content)
+
+
 # The Gaussian filter
 
 
@@ -95,9 +136,10 @@ def test_a_steep_profile_names_a_cut_off_that_then_works():
     random = np.random.default_rng(0)
     rows = "".join(f"{x},{z:.9g}\n" for x, z in zip(X, HILLS + 2.0 * random.normal(size=X.size), strict=True))
     text = f"x (nm),z (nm)\n{rows}"
-    with pytest.raises(DataError, match=r"smooth it by cut_off=") as refused:
+    with pytest.raises(DataError, match=r"a cut-off of .* nm makes it flat enough") as refused:
         read_profile(text)
-    cut_off = float(str(refused.value).split("cut_off=")[1].split(" ")[0])
+    cut_off = refused.value.call["cut_off"]
+    assert str(refused.value).endswith(f"; call read_profile(source, cut_off={cut_off:g})")
     profile = read_profile(text, cut_off=cut_off)
     assert any(note.startswith(f"A Gaussian filter with a cut-off of {cut_off:g} nm changed") for note in profile.notes)
     with pytest.raises(DataError, match=r"^cut_off = 1: allowed: 5 .. 498.8 nm"):

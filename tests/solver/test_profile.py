@@ -10,18 +10,20 @@ import pytest
 
 from solver import DataError, Profile, Scene, SceneError, load_path, read_profile, simulate
 from solver.analysis.peeling import edges
-from solver.cautions import cautions
-from solver.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
+from solver.measured.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
+from solver.measured.tables import MOST_BYTES
 from solver.scene import LIMITS
-from solver.surfaces import LENGTHS, NO_UNIT
-from solver.tables import MOST_BYTES
+from solver.surfaces import LENGTHS
 from solver.text import number_from_text
 
 X = np.linspace(0.0, 640.0, 257)
 HILLS = 4.0 * np.cos(2.0 * np.pi * 2.0 * X / 640.0)  # two whole waves: highest at x = 0, 320, 640
 
 
-def table(x, z, separator=", ", heading=""):
+HEADING = "x (nm),z (nm)\n"
+
+
+def table(x, z, separator=", ", heading=HEADING):
     return heading + "\n".join(f"{a!r}{separator}{b!r}" for a, b in zip(x.tolist(), z.tolist(), strict=True))
 
 
@@ -33,7 +35,8 @@ def shown(profile, nodes=256):
 @pytest.mark.parametrize("separator", [",", ", ", ";", "\t", " ", "   ", " ; "])
 @pytest.mark.parametrize("heading", ["", "x,z\n", "x [nm] z [nm]\n", "# by hand\n\nx;z\n"])
 def test_columns_may_be_separated_and_headed_in_any_usual_way(separator, heading):
-    assert read_profile(table(X, HILLS, separator, heading)) == read_profile(table(X, HILLS))
+    unit = None if "nm" in heading else "nm"
+    assert read_profile(table(X, HILLS, separator, heading), unit=unit) == read_profile(table(X, HILLS))
 
 
 @pytest.mark.parametrize("separator", [";", "\t"])
@@ -61,8 +64,13 @@ def test_units_in_the_heading_are_used_and_reported(heading):
     assert "x is read as " in read.notes[0] and "z as nm" in read.notes[0]
 
 
-def test_a_single_unit_in_the_heading_applies_to_both_columns():
-    assert read_profile(table(X / 1000.0, HILLS / 1000.0, heading="x, z (µm)\n")).length == pytest.approx(640.0)
+def test_a_unit_of_one_column_is_none_of_the_other():
+    text = table(X / 1000.0, HILLS / 1000.0, heading="x, z (µm)\n")
+    with pytest.raises(
+        DataError, match=r"^x has no unit.*call read_profile\(source, units=\{\"x\": ..., \"z\": \"µm\"\}\)"
+    ):
+        read_profile(text)
+    assert read_profile(text, units={"x": "µm", "z": "µm"}).length == pytest.approx(640.0)
 
 
 @pytest.mark.parametrize(
@@ -74,9 +82,9 @@ def test_heights_in_angstrom_and_millimetres_are_converted(unit, nm):
     assert number_from_text("width", f"20 {unit}") == pytest.approx(20.0 * nm)
 
 
-@pytest.mark.parametrize("heading", ["x (V),z (nm)", "x,z [inch]", "x (pm),z (nm)", "x/ft z/ft"])
+@pytest.mark.parametrize("heading", ["x (V),z (nm)", "x/nm,z [uin]", "x (pm),z (nm)", "x/ft z/ft"])
 def test_a_profile_in_an_unknown_unit_is_refused_with_the_known_ones(heading):
-    with pytest.raises(DataError, match=r"^heading: [xz] in '.*'; allowed units: nm, µm, .*mm, cm, m; correct or"):
+    with pytest.raises(DataError, match=r"^[xz] in '.*'; allowed units: nm, um, mm, cm, m, Å, in; .*units=\{"):
         read_profile(table(X, HILLS, heading=f"{heading}\n"))
 
 
@@ -118,7 +126,8 @@ def test_a_file_in_latin_1_is_read():
 def test_further_columns_are_ignored_and_reported(heading):
     rows = [(b, a) if heading.startswith("quality") else (a, b) for a, b in zip(X, HILLS, strict=True)]
     third = [f"1,{a},{b}" if heading.startswith("quality") else f"{a},{b},1" for a, b in rows]
-    read = read_profile(heading + "\n".join(third))
+    columns = None if heading else {"x": 1, "z": "2"}
+    read = read_profile(heading + "\n".join(third), unit="nm", columns=columns)
     assert read.z.tolist() == read_profile(table(X, HILLS)).z.tolist()
     assert read.notes[1] == f"Not used: {'quality' if heading else 'column 3'}."
 
@@ -202,27 +211,25 @@ def test_a_width_selects_the_middle_of_a_profile():
         ("\n\n# nothing\n", 4, "no points"),
         ("x,z\n", 2, "no points"),
         ("a fairy tale\nin two lines\n", 3, "no points; needed: two columns: x, z in nm"),
-        ("x,z\n1,2\n2,three\n", 3, "z = 'three' is not a number"),
-        ("1,2\n2,\n", 1, "only 1 point,"),
-        ("1,2\n2,nan\ninf,3\n4," + "9" * 400 + "\n", 1, "only 1 point,"),
-        ("1,2\n2,\1\n", 2, "z = an unreadable cell is not a number"),
-        ("1,2\n2,1e300\n", 2, "z = 1e+300 nm: allowed"),
-        ("1,2\n2,3\n2,4\n", 3, "x = 2 after 2; keep one line of each x"),
-        ("x z\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; sort the lines by x"),
-        ("1\n2\n3\n", 1, "one column, two are needed"),
-        ("1,5,2,0\n", 1, "4 columns, two are needed: x, z in nm; write a heading, decimal points, or semicolons"),
+        ("x,z\n1,2\n2,three\n", 3, "'three' is not a number; correct or delete the line"),
+        (f"{HEADING}1,2\n2,\n", 2, "only 1 point,"),
+        (f"{HEADING}1,2\n2,nan\ninf,3\n4," + "9" * 400 + "\n", 2, "only 1 point,"),
+        ("1,2\n2,\1\n", 2, "an unreadable cell is not a number"),
+        (f"{HEADING}1,2\n2,1e300\n", 3, "z = 1e+300 nm: allowed"),
+        (f"{HEADING}1,2\n2,3\n2,4\n", 4, "x = 2 after 2; keep one line of each x"),
+        ("x/nm z/nm\n1 2\n2 3\n1.5 4\n", 4, "x = 1.5 after 2; sort the lines by x"),
         ("1," * 101 + "\n", 1, "102 columns; allowed: up to 100"),
         ("1,2\n3,4,5\n", 2, "3 columns in place of 2; use decimal points, or semicolons between columns"),
         ("1,2\n\0\0\0\n", 2, "not a text file"),
-        (table(X[:9], HILLS[:9]), 9, f"only 9 points, at least {FEWEST_POINTS} are needed"),
-        (table(1e-4 * X, 1e-4 * HILLS), 257, "0.064 nm long, allowed: 1 .. 1e+06 nm"),
-        (table(1e7 * X, HILLS), 42, "x = 1.025e+09 nm: allowed: -1e+09 .. 1e+09 nm; check its unit"),
-        (table(1e4 * X, HILLS), 130, "only 3 points, at least 16 are needed"),
-        (table(X, HILLS + 0.5 * X), 257, "tilted by 0.5, allowed: up to 0.3; level it"),
+        ("1.5;2\n2,5;3\n", 2, "decimal points and commas; write one sign, without separators of thousands"),
+        (table(X[:9], HILLS[:9]), 10, f"only 9 points, at least {FEWEST_POINTS} are needed"),
+        (table(1e-4 * X, 1e-4 * HILLS), 258, "0.064 nm long, allowed: 1 .. 1e+06 nm"),
+        (table(1e7 * X, HILLS), 43, "x = 1.025e+09 nm: allowed: -1e+09 .. 1e+09 nm; check its unit"),
+        (table(X, HILLS + 0.5 * X), 258, "tilted by 0.5, allowed: up to 0.3; level it"),
         (
             table(X, np.where(X < 300.0, 0.0, 5.0)),
-            121,
-            "from the point before, allowed: up to 0.3; smooth it by cut_off=41 (nm)",
+            122,
+            "slope 1.99 from the point before, allowed: up to 0.3; a cut-off",
         ),
     ],
 )
@@ -239,7 +246,9 @@ def test_ends_too_far_apart_to_be_joined_are_refused():
     # a parabola's flank: level as a whole, but one end stands 45 nm above the other
     z = np.where(X < 600.0, 0.0, 0.28 * (X - 600.0))
     z[:60] -= 0.28 * (X[60] - X[:60])
-    with pytest.raises(DataError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3"):
+    with pytest.raises(
+        DataError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3; .* cut-off"
+    ):
         read_profile(table(X, z))
     assert STEEPEST == 0.3
 
@@ -250,10 +259,10 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
     saw = 0.28 * np.abs(x % 20.0 - 10.0)
     z = saw + 1.5 * np.clip((x - 60.0) / 60.0, 0.0, 1.0)
     z[60:121] = np.linspace(z[60], z[120], 61)
-    reason = r"line 193: its ends, 0\.65.* nm apart, joined over 9\.95 nm at each end: slope 0\.306 from the point"
+    reason = r"line 194: its ends, 0\.65.* nm apart, joined over 9\.95 nm at each end: slope 0\.306 from the point"
     with pytest.raises(DataError, match=reason) as caught:
         read_profile(table(x, z))
-    assert caught.value.line == 193
+    assert caught.value.line == 194
 
 
 @pytest.mark.parametrize(
@@ -261,9 +270,9 @@ def test_ends_whose_join_adds_to_a_slope_beyond_the_limit_are_refused_with_the_l
     [
         (bytes(range(256)), "no known file of an instrument"),
         ("1,2\n2,3\n".encode("utf-16-le"), "no known file of an instrument"),
-        (b"x,z\n1,2\n3,\xb5\n", "line 3: z = 'µ' is not a number"),
-        (b"\0" * 100, "no known file of an instrument"),
-        (b"7" * (MOST_BYTES + 1), "more than 10 MB"),
+        (b"x,z\n1,2\n3,\xb5\n", "line 3: 'µ' is not a number"),
+        (b"\0" * 100, "this is an empty file"),
+        (b"7" * (MOST_BYTES + 1), "more than 20 MB"),
     ],
 )
 def test_bad_files_are_refused(tmp_path, content, reason):
@@ -427,7 +436,6 @@ LAYOUTS = {  # lines above the numbers: (unit of x, unit of z) in nm
     "x_um,z_um": (1e3, 1e3),
     "x_um,z_nm": (1e3, 1.0),
     "x {um},z {um}": (1e3, 1e3),
-    "x, um, z, nm": (1e3, 1.0),
     "x in um,z in nm": (1e3, 1.0),
     "x,z\num,nm": (1e3, 1.0),
     "x,z\n(um),(nm)": (1e3, 1.0),
@@ -451,11 +459,9 @@ LAYOUTS = {  # lines above the numbers: (unit of x, unit of z) in nm
     "x [A],z [A]": (0.1, 0.1),
     "x [\N{LATIN CAPITAL LETTER A WITH RING ABOVE}],z [nm]": (0.1, 1.0),
     "z (nm),x (um)": (1e3, 1.0),
-    "# z (nm), x (um)\nz,x": (1e3, 1.0),
     "X (UM),Z (NM)": (1e3, 1.0),
     "Profile 1\nLength [cm],Height [nm]": (1e7, 1.0),
     "Title: A test of m samples\nx (um),z (nm)": (1e3, 1.0),
-    "x,z (um)": (1e3, 1e3),
     '"x (um)","z (nm)"': (1e3, 1.0),
     "nm\tnm": (1.0, 1.0),
     "Position_micrometer,Height_nanometer": (1e3, 1.0),
@@ -466,33 +472,36 @@ LAYOUTS = {  # lines above the numbers: (unit of x, unit of z) in nm
 @pytest.mark.parametrize(("above", "nm"), LAYOUTS.items(), ids=map(repr, LAYOUTS))
 def test_a_unit_above_the_numbers_is_used_wherever_it_stands(above, nm):
     x, z = X / nm[0], HILLS / nm[1]
-    swapped = above.startswith(("z", "# z"))
     separator = "\t" if "\t" in above else ";" if ";" in above else ","
-    rows = table(z, x, separator) if swapped else table(x, z, separator)
-    columns = None if swapped and above.startswith("# z") else above
-    read = read_profile(f"{above}\n{rows}")
-    assert columns is None or read.length == pytest.approx(640.0, rel=1e-9)
+    columns = (z, x) if above.startswith("z") else (x, z)
+    rows = table(*columns, separator, "")
+    read = read_profile(f"{above}\n{rows.replace(chr(10), ';1' + chr(10)) + ';1' if 'valid' in above else rows}")
+    assert read.length == pytest.approx(640.0, rel=1e-9)
     assert np.ptp(read.z) == pytest.approx(8.0, rel=1e-9)
-    assert NO_UNIT not in read.notes
 
 
 @pytest.mark.parametrize(
     "above",
-    ["Scan size: 640 um", "# Width: 10 µm", "Radius 2.5 um\nx,z", "# x (V), z (nm)", "# x {inch}, z {inch}"],
+    ["Scan size: 640 um", "# Width: 10 µm", "Radius 2.5 um\nx,z", "# x (V), z (nm)", "x, um, z, nm", "# z (nm)\nx,z"],
 )
 def test_a_unit_that_may_be_of_something_else_is_named_in_a_refusal(above):
-    with pytest.raises(DataError, match=r"um|µm|V|inch"):
-        read_profile(f"{above}\n{table(X, HILLS)}")
+    with pytest.raises(DataError, match=r"um|µm|'V'|nm") as refused:
+        read_profile(f"{above}\n{table(X, HILLS, ',', '')}")
+    assert refused.value.call.keys() == {"units"} and len(refused.value.table.columns) == 2
+    units = {name: "nm" if unit is ... else unit for name, unit in refused.value.call["units"].items()}
+    assert read_profile(f"{above}\n{table(X, HILLS, ',', '')}", units=units).length == 640.0
 
 
 @pytest.mark.parametrize("above", ["", "x,z\n", "Instrument 3\nx,z\n"])
-def test_without_a_unit_a_caution_says_that_nm_were_read_and_unit_decides(above):
-    profile = read_profile(above + table(X, HILLS))
-    assert NO_UNIT in cautions(Scene(surface="measured", measured=profile, width=profile.length, nodes=256))
-    given = read_profile(above + table(X / 1e3, HILLS / 1e3), unit="um")
-    assert given.length == pytest.approx(640.0) and NO_UNIT not in given.notes
+def test_without_a_unit_a_refusal_asks_for_it(above):
+    with pytest.raises(DataError, match=r'^x has no unit; columns: .*call read_profile\(source, units=\{"x": ..., "z"'):
+        read_profile(table(X, HILLS, heading=above))
+    given = read_profile(table(X / 1e3, HILLS / 1e3, heading=above), unit="um")
+    other = read_profile(table(X / 1e3, HILLS, heading=above), units={"x": "um", "z": "nm"})
+    assert given.z == pytest.approx(other.z, abs=1e-12) and given.length == other.length
+    assert given.length == pytest.approx(640.0) and np.ptp(given.z) == pytest.approx(8.0)
     with pytest.raises(DataError, match=r"^unit = 'parsec'; allowed units: nm"):
-        read_profile(above + table(X, HILLS), unit="parsec")
+        read_profile(table(X, HILLS, heading=above), unit="parsec")
 
 
 def test_a_unit_that_differs_from_that_of_the_file_is_refused():
@@ -522,7 +531,7 @@ def test_a_descending_scan_is_read_in_reverse_order():
 
 def test_exponents_of_fortran_are_read():
     rows = "\n".join(f"{x:.6E} {z:.6E}".replace("E", "D") for x, z in zip(X, HILLS, strict=True))
-    assert read_profile(rows).z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-5)
+    assert read_profile(rows, unit="nm").z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-5)
 
 
 @pytest.mark.parametrize("missing", ["Bad", "***", "---", "", "nan"])
@@ -546,7 +555,7 @@ def test_an_overhang_and_a_matrix_are_named():
     x[[30, 31, 60, 61]] = x[[31, 30, 61, 60]]
     with pytest.raises(DataError, match=r"sort the lines by x, if each x has one height: an overhang or a matrix"):
         read_profile(table(x, HILLS))
-    with pytest.raises(DataError, match=r"16 columns without a heading.*a matrix of heights cannot be read: save one"):
+    with pytest.raises(DataError, match=r"which column is x .* if this is a map of heights, save one line"):
         read_profile("\n".join([" ".join(map(str, HILLS[:16]))] * 20))
 
 
@@ -554,3 +563,76 @@ def test_an_overhang_and_a_matrix_are_named():
 def test_heights_in_a_wrong_unit_are_refused(factor):
     with pytest.raises(DataError, match=r"the heights have an rms of .* nm, allowed: 0\.01 .. 64 nm.*check the units"):
         read_profile(table(X, HILLS * factor))
+
+
+# What is asked for
+
+
+ASKED = {  # text that a refusal shows: {what is filled in for the dots of its call}
+    "an index before the heights": ("Index,Height (um),Depth (um)", {"columns": {"x": 3}}),
+    "another coordinate": ("x (um),y (um),y (um)", {"columns": {"z": 2}}),
+    "no names": ("", {"columns": {"x": 3, "z": 2}, "units": {"x": "um", "z": "um"}}),
+    "names of an unknown language": (
+        "Nr,Höhe (um),Weg (um)",
+        {"columns": {"x": "Weg", "z": "Höhe"}},
+    ),
+}
+
+
+@pytest.mark.parametrize("what", ASKED)
+def test_a_refusal_ends_in_the_call_that_reads_the_file_once_its_dots_are_filled(tmp_path, what):
+    heading, dots = ASKED[what]
+    rows = [f"{k},{z / 1e3!r},{x / 1e3!r}" for k, (x, z) in enumerate(zip(X.tolist(), HILLS.tolist(), strict=True))]
+    if heading.startswith("x"):
+        rows = [",".join([row.split(",")[2], row.split(",")[1], "0"]) for row in rows]
+    file = tmp_path / "p.csv"
+    file.write_text("\n".join([heading, *rows]), encoding="utf-8")
+    with pytest.raises(DataError) as refused:
+        read_profile(file)
+    call = refused.value.call
+    assert f'; call read_profile("{file}", columns={{"x": ' in str(refused.value)
+    for argument, values in dots.items():
+        assert all(call[argument][name] is ... for name in values)
+        call[argument] |= values
+    assert ... not in [value for values in call.values() for value in values.values()]
+    assert read_profile(file, **call).z == pytest.approx(read_profile(table(X, HILLS)).z, abs=1e-9)
+
+
+def test_points_too_far_apart_for_the_usual_part_are_read_by_the_part_that_is_named():
+    x = 2300.0 * np.arange(500)
+    with pytest.raises(
+        DataError, match=r"points are 2300 nm apart: 20000 nm.*lattice period; call .*part=\("
+    ) as refused:
+        read_profile(table(x, 50.0 * np.sin(x / 14e3)))
+    assert read_profile(table(x, 50.0 * np.sin(x / 14e3)), **refused.value.call).z.size >= 2 * FEWEST_POINTS
+
+
+def test_numbers_of_a_unit_are_units_and_columns_that_do_not_exist_are_named():
+    text = table(X / 3.0, HILLS, heading="")
+    assert read_profile(text, units={"x": "3 nm", "z": "nm"}).length == pytest.approx(640.0)
+    for columns, why in (
+        ({"x": 3}, "is none of them"),
+        ({"x": "a"}, "is none of them"),
+        ({"F": 1}, r"columns has 'F'"),
+    ):
+        with pytest.raises(DataError, match=why):
+            read_profile(text, unit="nm", columns=columns)
+
+
+@pytest.mark.parametrize("options", [{}, {"periodic": False}, {"width": 500.0}, {"part": (50.0, 600.0)}])
+@pytest.mark.parametrize("period", [True, False])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_cut_off_that_is_named_is_one_that_works(seed, period, options):
+    """Also where a filter leaves the ends, or the closing of a period, steep, and where points are uneven."""
+    random = np.random.default_rng(seed)
+    z = np.cumsum(random.normal(size=X.size)) * 2.0
+    z = z - np.linspace(0.0, z[-1] - z[0], z.size) if period else z
+    text = table(X + random.uniform(-0.5, 0.5, X.size) * (seed % 2), z)
+    with pytest.raises(DataError, match="cut-off") as refused:
+        read_profile(text, **options)
+    if "cut_off" in refused.value.call:
+        assert np.ptp(read_profile(text, **refused.value.call).z) > 0.0
+    else:
+        for cut_off in np.geomspace(10.0, 245.0, 12):
+            with pytest.raises(DataError):
+                read_profile(text, cut_off=float(cut_off), **options)

@@ -19,10 +19,10 @@ from solver import (
     sweep,
     whole_surface,
 )
-from solver.analysis.fit import fit
 from solver.analysis.friction_laws import friction_force
-from solver.analysis.measurement import Measurement
 from solver.files import report_of, write_npz
+from solver.measured.fit import fit
+from solver.measured.measurement import Measurement
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=12.0)
 DEEPER = SMALL.changed(delta_bar=0.1)

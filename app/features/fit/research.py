@@ -22,11 +22,11 @@ from app.features.lab.base import LabPage, side_by_side
 from app.features.lab.tasks import flat_frames
 from app.service.pool import HEAVY
 from app.session.orders import LARGEST
-from solver import fit
-from solver.analysis.curve_files import read_measurement
-from solver.analysis.measurement import Measurement
-from solver.analysis.recording import Recording
+from solver import DataError, fit
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
+from solver.measured.curves import read_measurement
+from solver.measured.measurement import Measurement
+from solver.measured.recording import Recording
 from solver.text import counted
 
 FREE = {  # label: parameter that can be free
@@ -72,16 +72,22 @@ class Fit(LabPage):
         if key:  # it lies over the run of the experiment, which named it in the address
             if (given := laid_over(key)) is None:
                 raise ValueError("This server does not have the measured curve of this address. Choose the file again")
-            await self.read(*given)
+            content, how = given
+            await self.read(content, **how)
 
-    async def read(self, content: bytes, speed: float | None = None, force: float | None = None) -> None:
-        """Read the content of a file; speed (nm/s) and force (N/m per unit) as of `read_measurement`.
+    async def read(self, content: bytes, **how: Any) -> None:
+        """Read the content of a file; how: arguments of `read_measurement`.
 
         If it is not usable, the previous measurement stays.
         """
-        if len(content) > LARGEST:
+        if len(content) > LARGEST and not how:
             raise ValueError(f"the file has {len(content)} bytes; allowed: {LARGEST}; thin it out")
-        measured = await self.call(read_measurement, self.scene, content, speed, force, private=True)
+        try:
+            measured = await self.call(partial(read_measurement, **how), self.scene, content, private=True)
+        except DataError as error:
+            remedy = "; read it over the run of the experiment, where the page asks, and fit from there"
+            remedy *= bool(error.call)
+            raise ValueError(f"{error.brief}{remedy}") from None
         if isinstance(measured, Recording):
             loop = "this is a loop; the page takes one stroke; in Python, fit takes all of it"
             raise ValueError(measured.unfit or loop)
@@ -182,11 +188,11 @@ class Fit(LabPage):
 
 
 def laid_over(key: str) -> Any:
-    """Return (content, speed, force) of the measured curve that a visitor has laid over the run, or None.
+    """Return (content, arguments that read it) of the curve that a visitor has drawn over the run, or None.
 
-    The feature `curve` keeps it, if it is there.
+    The feature `files` keeps it, if it is there.
     """
-    keeps: Any = interface.classes().get("curve")  # which may be left out
+    keeps: Any = interface.classes().get("files")  # which may be left out
     return keeps.kept(key) if keeps else None
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from solver import LIMITS, Scene
-from solver.analysis.measurement import Measurement
 from solver.following.from_run import skeleton_of
+from solver.measured.measurement import Measurement
 
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
 

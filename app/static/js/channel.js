@@ -5,7 +5,6 @@ import { alone, me } from "./store.js"
 
 const ANSWERED = ["scene", "restore"] // orders that change the scene
 const LATE = 20_000 // ms
-const LARGEST = 2e6 // bytes of a file, as the server
 let stage = null // the Stage, once it is there
 const early = [] // orders given before
 export const isThere = () => Boolean(stage)
@@ -84,6 +83,3 @@ export function heard(n) {
   asked = asked.filter((sent) => sent.n > answered)
   if (me.waiting.some((sent) => sent.n <= n)) me.waiting = me.waiting.filter((sent) => !(sent.n <= n))
 }
-
-// Why a file is not sent: it is larger than the server takes; "" where it is sent
-export const tooLarge = ({ size }) => (size > LARGEST ? `${(size / 1e6).toFixed(1)} MB, allowed: 2 MB` : "")

@@ -32,8 +32,8 @@ def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_slider
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "line 1: "),
-        (b"U_x,F\n1,2\n1,x\n", "line 3: F = 'x'"),
+        (b"", "this is an empty file"),
+        (b"U_x,F\n1,2\n1,x\n", "line 3: 'x' is not a number"),
         (b"U_x (nm),F (mN)\n" + ROWS, "divide it by the width of the contact"),
         (b"\xff\xfe\x00", "line 1: "),
         (b"1" * 2_000_001, "2000001 bytes; allowed: 2000000"),
@@ -41,15 +41,17 @@ def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_slider
 )
 def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content, said):
     page = fit.Fit(SMALL)
-    page.start(partial(page.read, b"U_x,F\n" + ROWS))
+    page.start(partial(page.read, b"U_x (nm),F (N/m)\n" + ROWS))
     assert "19 points" in page.text
     page.start(partial(page.read, content))
     assert said in page.text and page.measured.U_x.size == 19
 
 
 def test_the_page_fit_reads_the_curve_over_the_run_of_the_experiment_or_asks_for_the_file(monkeypatch):
-    curve = SimpleNamespace(kept={"key": (b"U_x,F\n" + ROWS, None, None)}.get)
-    monkeypatch.setattr(interface, "classes", lambda: {"curve": curve})
+    curve = SimpleNamespace(
+        kept={"key": (b"U_x (nm),Force\n" + ROWS, {"columns": {"F": 2}, "units": {"F": "N/m"}})}.get
+    )
+    monkeypatch.setattr(interface, "classes", lambda: {"files": curve})
     for key, said in (("key", "19 points"), ("gone", "Choose the file again")):
         page = fit.Fit(SMALL)
         page.key = key
@@ -61,7 +63,7 @@ def test_no_fit_starts_without_a_measurement_or_a_free_parameter():
     page = fit.Fit(SMALL)
     page.start(page.fit)
     assert page.text.startswith("There is no measurement")
-    page.start(partial(page.read, b"U_x,F\n" + ROWS))
+    page.start(partial(page.read, b"U_x (nm),F (N/m)\n" + ROWS))
     page.free = []
     page.start(page.fit)
     assert page.text.startswith("No parameter is free")

@@ -53,6 +53,7 @@ def test_back_after_reset_restores_an_uploaded_profile(visit, tmp_path):
     from_menu(page, "#parameters")
     (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     page.set_input_files("#profile", tmp_path / "wave.csv")
+    page.get_by_role("button", name="Use it").click()
     values_are(page, surface="measured")
     curve = page.evaluate("punch.run.curves.F_bar")
     page.locator("#drawer").get_by_role("button", name="Close").click()

@@ -163,6 +163,7 @@ def test_shared_python_code_of_a_measured_surface_reads_its_profile_from_json(lo
     (tmp_path / "wave.csv").write_text("x (nm),z (nm)\n" + PARABOLA)
     from_menu(page, "#parameters")
     page.set_input_files("#profile", tmp_path / "wave.csv")
+    page.get_by_role("button", name="Use it").click()
     finished(page, run=2)
     page.locator("#drawer").get_by_role("button", name="Close").click()
     from_menu(page, "#take")

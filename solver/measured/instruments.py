@@ -11,33 +11,40 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .length_units import factor
-from .tables import DataError
+from ..surfaces import DataError
+from .units import factor
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 MISSING = 1e9  # nm: heights beyond are marks of missing points
-BEGINNINGS = (b"aBCR-1", b"aISO-1", b"bBCR-1", b"WSxM file", b"# Channel: ", b"\\*File list")  # of files in text
+BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: .*\r?\n# Width: |\\\*File list")  # of files in text
+UNREAD = (  # what a file is that the library cannot read: a test of its content, and what to do
+    (lambda raw: raw[:2] == b"PK" and b"/main.xml" in raw, "an X3P in a folder; zip the files without their folder"),
+    (lambda raw: raw[:12] == b"DSCOMPRESSED", "a compressed SUR; save it without compression"),
+)
 LINE = re.compile(r"(row|column) (\d{1,6})")
 
 
 def is_instruments(content: bytes) -> bool:
     """Whether a file is no table of numbers in text: it has null bytes but no mark of UTF-16, or a known beginning."""
-    start = content[:4096]
-    if start[:2] in (b"\xff\xfe", b"\xfe\xff"):
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return False
-    return b"\0" in start or start.startswith(BEGINNINGS)
+    return b"\0" in content or bool(BEGINNINGS.match(content)) or any(test(content) for test, _ in UNREAD)
 
 
 def read_line(
-    content: bytes, unit: str | None = None, line: str | None = None
+    content: bytes, unit: str | None = None, line: str | None = None, channel: str | int | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
-    """Reads a line of the default channel of a file.
+    """Reads a line of a file.
 
     Parameters: content: the bytes of the file; unit: of lengths, where the file names none; line: "row 12" or
-    "column 12" of a map, by default the row through its highest point.
+    "column 12" of a map, by default the row through its highest point; channel: the name of a channel, or its number
+    from 1 on, where there are several.
     Returns (x (n,) nm, z (n,) nm, nan where it is missing, a note on where they are from).
     Raises DataError for a file that is not known, for one without a unit, and where the package is not installed.
     """
+    for test, what in UNREAD:
+        if test(content):
+            raise DataError(f"this is {what}")
     try:
         from SurfaceTopography import open_topography
     except ImportError:
@@ -46,14 +53,17 @@ def read_line(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             reader = open_topography(BytesIO(content))
-            surface = reader.topography()
+            surface = reader.topography(channel_index=_channel(reader, channel))
+    except DataError:
+        raise
     except Exception as error:  # each of some fifty readers raises errors of its own
-        raise DataError(
-            f"no known file of an instrument ({type(error).__name__}); export it as CSV of x and z"
-        ) from None
+        what = (
+            "an archive without a known file; unpack it" if content[:2] == b"PK" else "no known file of an instrument"
+        )
+        raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
     found = surface.unit
     if found is None and unit is None:
-        raise DataError("the file names no unit of length; give it, as in unit='um'")
+        raise DataError("the file names no unit of length; give it, as in unit='um'", call={"unit": ...})
     if found is not None and unit is not None and factor(found) != factor(unit):
         raise DataError(f"unit = {unit!r}, but the file names {found}; leave unit out")
     nm = factor(found or unit)  # type: ignore[arg-type]
@@ -68,6 +78,22 @@ def read_line(
     high = float(np.nanmax(z) - np.nanmin(z))
     note = f"{type(reader).__name__}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
     return np.arange(z.size, dtype=np.float64) * (length / z.size), z, note
+
+
+def _channel(reader: Any, wanted: str | int | None) -> int:
+    """The index of a channel, by its name or number; of several one is asked for."""
+    names = [channel.name or f"channel {k}" for k, channel in enumerate(reader.channels, 1)]
+    if wanted is None and len(names) == 1:
+        return 0
+    if not names:
+        raise DataError("the file holds no heights; export it as CSV of x and z")
+    listed = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
+    if wanted is None:
+        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=names)
+    at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
+    if not 0 <= at < len(names):
+        raise DataError(f"channel = {wanted!r}: allowed: {listed}; give one of these")
+    return at
 
 
 def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:

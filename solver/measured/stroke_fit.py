@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from ..analysis.partial import continuous
+from ..analysis.prediction import AHEAD
 from ..continuation.state import TINY, OutOfTime
 from ..scene import LIMITS, Scene
-from ..tables import DataError
+from ..surfaces import DataError
 from ..text import in_ascii
 from .measurement import JUMP, Measurement
-from .partial import continuous
-from .prediction import AHEAD
 from .trial import NO_RUN, Model, inside
 
 APART = 0.99  # correlation from which a fit warns: each parameter then has 7 times the error it has alone

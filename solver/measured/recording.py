@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tables import DataError
+from ..surfaces import DataError
 from .comparison import Comparison, Computed, compared
 from .noise import FEWEST
 

@@ -19,7 +19,7 @@ from ..continuation.state import OutOfTime
 from ..run.frame import Frame
 from ..run.loadpath import load_path
 from ..scene import LIMITS, Scene
-from ..tables import DataError
+from ..surfaces import DataError
 from ..text import counted
 from .comparison import Comparison, compared
 from .measurement import Measurement

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 WAY = {"approach": "approach", "retract": "unload"}  # stages of a run for segments of a load
+PLACE = 1e-3  # of what the run covers: closer points are at one place
 TRIALS = 200  # zeros of delta that are tried: a step is a hundredth of what the run covers
 
 
@@ -48,6 +49,14 @@ class Measured(Protocol):
     def free(self) -> bool: ...
     @property
     def virgin(self) -> bool: ...
+
+
+class NoStage(ValueError):
+    """The run has no stage like a segment of the curve; path: a parameter `path` whose runs have one."""
+
+    def __init__(self, reason: str, path: str) -> None:
+        super().__init__(f"{reason}; compute it with path={path!r}")
+        self.path = path
 
 
 class Comparison(NamedTuple):
@@ -94,6 +103,7 @@ def compared(measured: Measured, result: Computed) -> Comparison:
     """
     pairs = [(segment, _curve(measured, result, k)) for k, segment in enumerate(_moving(measured))]
     shift = _shift(measured, pairs) if measured.free else 0.0
+    _reject_few(measured, pairs, shift)
     scale, zero = _scale(measured, pairs, shift)
     if scale <= 0.0:
         raise ValueError(f"a scale of {scale:.3g} brings the forces nearest to the run; turn their sign")
@@ -111,7 +121,10 @@ def compared(measured: Measured, result: Computed) -> Comparison:
             rows += [(segment.name, *row) for row in zip(*columns, strict=True)]
             off.setdefault(name, []).append((seen - found)[inside])
     if outside == sum(segment.x.size for segment, _ in pairs):
-        raise ValueError(f"no point lies within the run; compute one that covers {measured.over} of the curve")
+        raise ValueError(
+            f"no point lies within the run; compute one that covers {measured.over} of the curve, or read"
+            " a part of it, part=(from, to)"
+        )
     rms = {name: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for name, parts in off.items()}
     units = {name: "N/m" if measured.units[name] == "N" else measured.units[name] for name in off}
     noise = {name: noise_in(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
@@ -134,11 +147,10 @@ def _curve(measured, result, k):
     frames = _stage(measured, segments, result, k)
     if len(frames) < 2:
         reason = f"the run has no stage for the segment {segments[k].name!r} of a curve of kind {kind!r}"
-        path = {"load": "unload", "loop": "loop"}.get(kind, "shear")
-        raise ValueError(f"{reason}; compute it with path={path!r}")
+        raise NoStage(reason, {"load": "unload", "loop": "loop"}.get(kind, "shear"))
     over = measured.over
     columns = {name: np.array([getattr(f, name) for f in frames]) for name in {over, *segments[k].values}}
-    columns = {name: y / _unit(measured.units.get(name, "nm"), result) for name, y in columns.items()}
+    columns = {name: y / unit_in(measured.units.get(name, "nm"), result) for name, y in columns.items()}
     order = np.argsort(columns[over], kind="stable")
     return columns[over][order], {name: y[order] for name, y in columns.items()}
 
@@ -165,8 +177,8 @@ def _stage(measured, segments, result, k):
     return same[-1] if same else []
 
 
-def _unit(unit, result):
-    """What numbers of a run are divided by to have that unit."""
+def unit_in(unit: str, result: Computed) -> float:
+    """What numbers of a run, in N/m and nm, are divided by to have a unit of a curve."""
     scene, first = result.scene, result.first_slip
     if unit == "F_s":
         return first.F_s if first else max(abs(frame.F) for frame in result.frames)
@@ -188,6 +200,23 @@ def _scale(measured, pairs, shift):
     )
     scale, zero = np.linalg.lstsq(np.column_stack([seen, np.ones(seen.size)]), found, rcond=None)[0]
     return float(scale), float(zero)
+
+
+def _reject_few(measured, pairs, shift):
+    """Raises ValueError where a scale and a zero of forces in N have too few places inside the run."""
+    if "N" not in measured.units.values() or measured.units.get(measured.over) == "N":
+        return
+    at, run = np.concatenate([segment.x + shift for segment, _ in pairs]), np.concatenate([x for _, (x, _) in pairs])
+    inside = at[(at >= run.min()) & (at <= run.max())]
+    if np.unique(np.round(inside / (PLACE * np.ptp(run)))).size < 3:
+        raise ValueError(f"a scale and a zero need three points at different places inside the run: {_spans(at, run)}")
+
+
+def _spans(at, run):
+    """Both ranges, and the remedy."""
+    curve, computed = (f"{x.min():.4g} .. {x.max():.4g} nm" for x in (at, run))
+    remedy = "read a part of the curve that is as long as the run, part=(from, to), or compute a longer run"
+    return f"the curve covers {curve}, the run {computed}; {remedy}"
 
 
 def _both(segment, name, x, curves, shift):
@@ -218,9 +247,10 @@ def _shift(measured, pairs):
     tried = [apart(shift) for shift in shifts]
     best, step = shifts[int(np.argmin(tried))], shifts[1] - shifts[0]
     if min(tried) == np.inf:
-        reason = f"the curve covers {last - first:.4g} nm, the run {high - low:.4g} nm"
-        raise ValueError(
-            f"no zero and positive scale bring half of the points over the run: {reason}; compute a longer one"
+        reason = _spans(np.array([first, last]), np.array([low, high]))
+        raise ValueError(f"no zero and positive scale bring half of the points over the run: {reason}")
+    with np.errstate(invalid="ignore"):  # a parabola through an infinite value
+        found = minimize_scalar(
+            apart, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-6 * step}
         )
-    found = minimize_scalar(apart, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-6 * step})
     return float(found.x)

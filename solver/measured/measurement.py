@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tables import DataError
+from ..surfaces import DataError
 from .comparison import Comparison, Computed, compared
 from .noise import ALONE, FEWEST, JUMP, SUDDEN, drops_of, noise_of, rise_of, slips_of
 from .recording import Segment

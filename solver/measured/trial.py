@@ -7,6 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analysis.partial import NAMES
+from ..analysis.prediction import Predicted
+from ..analysis.sensitivities import sensitivities
 from ..continuation.state import NotConverged, OutOfTime
 from ..following.follow import follow
 from ..following.from_run import skeleton_of
@@ -15,9 +18,6 @@ from ..following.skeleton import Skeleton
 from ..scene import LIMITS, Scene, SceneError
 from ..text import counted
 from .measurement import Measurement
-from .partial import NAMES
-from .prediction import Predicted
-from .sensitivities import sensitivities
 
 Floats = NDArray[np.float64]
 EXACT = 1e-4  # of the node spacing: a slip cannot be measured more exactly

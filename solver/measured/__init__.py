@@ -1,0 +1,15 @@
+"""Measured things: files of surfaces and curves, their comparison with a run, and fits. No run needs them.
+
+The way of a file:
+
+tables                         the text: its block of numbers, the columns, the lines above; what the file names
+units                          lengths, forces and times
+columns                        which column is what, by name or as given; else a refusal that shows the table
+smoothing, instruments         the Gaussian filter; surfaces in the files of instruments
+profile                        a surface: x and z, made periodic
+noise, comparison              noise and slips of a curve; a curve beside that of a run
+recording, measurement         a curve in segments; one stroke of friction with its noise
+curves                         a curve: its kind, its segments, its units
+trial, stroke_fit, loop_fit, fit
+                               parameters of a scene from a curve
+"""

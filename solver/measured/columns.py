@@ -1,0 +1,118 @@
+"""Which column of a table is what: by a short list of names, or as given. What is not certain is asked for."""
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any
+
+from ..surfaces import DataError
+from .tables import Block, Table
+from .units import is_unit, parted
+
+Given = Mapping[str, str | int | None]
+
+
+def plain(name: str) -> str:
+    """A name in small letters without blanks and signs."""
+    return re.sub(r"[\W_]", "", name.lower())
+
+
+def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> tuple[dict[str, int], set[str]]:
+    """({role: index} of the roles that one column has by its name, roles that several have).
+
+    words: {role: names in small letters}.
+    """
+    names = [plain(column.name) for column in table.columns]
+    found = {role: [k for k, name in enumerate(names) if name in known] for role, known in words.items()}
+    return {role: at[0] for role, at in found.items() if len(at) == 1}, {r for r, at in found.items() if len(at) > 1}
+
+
+def given(table: Table, columns: Given | None, allowed: Sequence[str]) -> dict[str, int | None]:
+    """{role: index} of the argument `columns`: {role: name, or number from 1 on, or None for none}."""
+    found: dict[str, int | None] = {}
+    for role, wanted in checked("columns", columns, allowed).items():
+        found[role] = None if wanted is None else _index(table, role, wanted)
+    return found
+
+
+def checked(name: str, values: Mapping[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:
+    """An argument {role: value}; raises DataError for a role that is not allowed."""
+    for role in values or {}:
+        if role not in allowed:
+            raise DataError(f"{name} has {role!r}; allowed: {', '.join(allowed)}; give some of these")
+    return dict(values or {})
+
+
+def _index(table, role, wanted):
+    if isinstance(wanted, str) and wanted.isdigit():
+        wanted = int(wanted)
+    if isinstance(wanted, int):
+        at = [wanted - 1] if 0 < wanted <= len(table.columns) else []
+    else:
+        name = parted(wanted)[0] if isinstance(wanted, str) else ""
+        same = [column.name.lower() for column in table.columns]
+        wholes = {str(wanted).strip().lower(), name.lower()} - {""}
+        at = [k for k, each in enumerate(same) if each in wholes]
+    if len(at) != 1:
+        why = "is the name of several; give its number" if at else "is none of them; give a name or a number"
+        raise DataError(f"columns[{role!r}] = {wanted!r} {why}; {table}", table=table)
+    return at[0]
+
+
+def called(table: Table, index: int | None) -> str | int | None:
+    """How the argument `columns` names a column: by its name, or else its number; None for none."""
+    if index is None:
+        return None
+    names = [column.name for column in table.columns]
+    return names[index] if names[index] and names.count(names[index]) == 1 else index + 1
+
+
+def asked(
+    table: Table,
+    reason: str,
+    of: Mapping[str, int | None],
+    known: Mapping[str, Mapping[str, float]],
+    units: Mapping[str, str],
+    **more: Any,
+) -> DataError:
+    """The DataError that shows a table and asks for the columns and units that are not known of some roles.
+
+    of: {role: index, or None for none} of what is known. known: {role: the units that it may have} of all.
+    units: {role: unit} as given. more: other arguments of the call that would read the file.
+    """
+    columns = {role: called(table, of[role]) if role in of else ... for role in known}
+    rest = [column.unit for k, column in enumerate(table.columns) if k not in of.values()]
+    wanted: dict[str, Any] = {}
+    for role, allowed in known.items():
+        k = of.get(role)
+        own = rest if role not in of else [] if k is None else [table.columns[k].unit]
+        suited = [unit for unit in own if is_unit(unit, allowed)]
+        if role in units or role in of or not suited:  # a column to come brings its own unit
+            wanted[role] = units.get(role, suited[0] if suited else ...)
+    call = {
+        name: values for name, values in (("columns", columns), ("units", wanted)) if {..., None} & {*values.values()}
+    }
+    return DataError(f"{reason}; {table}", table=table, call=call | more)
+
+
+def not_used(block: Block, used: Sequence[int | None]) -> list[str]:
+    """[a note on columns that are not used]."""
+    rest = [column.name or f"column {k}" for k, column in enumerate(block.table.columns, 1) if k - 1 not in used]
+    return [f"Not used: {', '.join(rest[:3])}{' ...' * (len(rest) > 3)}."] if rest else []
+
+
+def for_user(error: DataError, function: str, source: Any, options: Mapping[str, Any]) -> DataError:
+    """The error with the whole call that would read the file: the options as given, and what it asks for.
+
+    function: up to its argument `source`, a path or a content.
+    """
+    if error.call:
+        path = isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source)
+        error.function = function + (json.dumps(str(source), ensure_ascii=False) if path else "source")
+        own = {name: value for name, value in options.items() if value is not None and value != {}}
+        for name in ("columns", "units", "sign"):
+            if name in own and name in error.call:
+                error.call[name] = {**error.call[name], **own[name]}
+        error.call = own | error.call
+    return error

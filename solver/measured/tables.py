@@ -1,0 +1,412 @@
+"""Tables in text files: the block of numbers, its columns with names and units, and the lines above it."""
+
+import csv
+import re
+from collections.abc import Sequence
+from io import StringIO
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..surfaces import DataError
+from .units import named_unit, parted, plain_unit
+
+Source = str | bytes | PathLike[str] | TextIO
+MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
+MOST_COLUMNS = 100
+MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
+MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
+OTHERS = {  # what a file is that begins so, and holds no measurement
+    "a picture, whose heights are lost; export them as CSV": (b"\x89PNG\r\n", b"\xff\xd8\xff", b"GIF8", b"RIFF"),
+    "a PDF; export its numbers as CSV": (b"%PDF-",),
+    "an archive; unpack it": (b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!", b"BZh", b"\xfd7zXZ"),
+    "a program; choose a file of a measurement": (b"\x7fELF", b"MZ\x90", b"\xcf\xfa\xed\xfe"),
+}
+SHOWN = 40  # characters of a cell in a message
+FIRST = 5  # rows that a refusal shows
+SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
+LONGEST = 8  # rows of a table that counts beside another one
+LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
+COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
+BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
+DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
+FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
+
+# never goes back over a character
+_NUMBER = r"[+\-\N{MINUS SIGN}]?(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)(?:[eEdD][+\-\N{MINUS SIGN}]?\d++)?"
+is_number = re.compile(rf"{_NUMBER}|[+-]?(?:nan|NaN|NAN|inf|Inf|INF)").fullmatch
+
+
+class Column(NamedTuple):
+    """name: as in the heading, "" without one; unit: as there, None for none; low, high: range, nan of words."""
+
+    name: str
+    unit: str | None
+    low: float
+    high: float
+
+
+class Table(NamedTuple):
+    """What a file shows: its columns, the cells of its first rows, the lines above them, and the number of rows."""
+
+    columns: tuple[Column, ...]
+    first: tuple[tuple[str, ...], ...]
+    above: tuple[str, ...]
+    rows: int
+
+    def __str__(self) -> str:
+        listed = [f"{k} {_shown(column)}" for k, column in enumerate(self.columns[:8], 1)]
+        words = [line for line in self.above if re.search(r"[^\W\d_]", line)]
+        named = any(column.name for column in self.columns) or not words
+        beside = "" if named else f"; above them: {' '.join(words[-1].split())[: 3 * SHOWN]!r}"
+        return f"columns: {'; '.join(listed)}{' ...' * (len(self.columns) > 8)}{beside}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The same as JSON has it, with null for no unit and for the range of words; long lines and cells are cut."""
+        columns = [column._asdict() for column in self.columns]
+        for column in columns:
+            column |= {name: None for name in ("low", "high") if column[name] != column[name]}
+        first = [[cell[:SHOWN] for cell in row] for row in self.first]
+        return {
+            "columns": columns,
+            "first": first,
+            "above": [line[:200] for line in self.above[-20:]],
+            "rows": self.rows,
+        }
+
+
+class Block(NamedTuple):
+    """A Table with its cells: a column each, of float64 (k,) or of words; lines (k,): their numbers in the file."""
+
+    table: Table
+    cells: list[NDArray[Any]]
+    lines: NDArray[np.int64]
+    notes: tuple[str, ...]
+
+    def numbers(self, name: str, k: int) -> NDArray[np.float64]:
+        """The k-th column; raises DataError, which calls it `name`, where it has words."""
+        if self.cells[k].dtype == object:
+            raise DataError(f"{name} = {self.cells[k][0][:SHOWN]!r} is not a number; choose another column")
+        return self.cells[k]
+
+
+def _shown(column):
+    unit = "" if column.unit is None else f" ({column.unit[:SHOWN]})"
+    name = repr(column.name[:SHOWN]) if column.name.isprintable() else "'?'"
+    return f"{name}{unit} {column.low:.4g} .. {column.high:.4g}" if column.low == column.low else f"{name} of words"
+
+
+class Layout(NamedTuple):
+    """How a line is cut: separator ("" for blanks); and whether rows may have words among two numbers or more."""
+
+    separator: str
+    words: bool
+
+    def split(self, line: str) -> list[str]:
+        return [cell.strip(' "') for cell in line.split(self.separator or None)]
+
+    def width(self, line: str) -> int:
+        """The number of cells of a line."""
+        return line.count(self.separator) + 1 if self.separator else len(line.split())
+
+    def is_row(self, line: str) -> bool:
+        cells = self.split(line)
+        if self.words:
+            return len(cells) > 2 and sum(map(bool, map(is_number, cells[:20]))) > 1
+        return all(cell in MISSING or is_number(cell) for cell in cells)
+
+
+def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
+    """Finds the table in a file, or in its content.
+
+    Semicolons, tabs, commas or blanks separate columns; numbers may have decimal commas, except between commas. Blank
+    lines and text after # are skipped. The heading is the line above the first row, and may have a row of units below.
+    Parameters: source: a path, a text without a line break being one; the content as text or bytes; or an open file.
+    needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
+    Returns a Block. Raises DataError.
+    """
+    raw = _lines(_text(source))
+    lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
+    layout = _layout(lines)
+    if layout is None:
+        raise DataError(f"no points; needed: {needed}", len(raw))
+    layout, ranges, names = _ranges(raw, lines, layout)
+    chosen, others = _chosen(ranges, names, channel)
+    rows = np.concatenate([ranges[k] for k in chosen])
+    _reject_bad(lines, rows, layout)
+    rows, width, begun = _full_rows(lines, rows, layout)
+    cells = _cells([lines[k] for k in rows], layout, width, rows)
+    above = tuple(line for line in raw[: rows[0]] if line.strip())
+    filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
+    units, heading = _heading(above, layout, (filled, width))
+    columns = tuple(Column(*both, *_range(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
+    kept = [k for k in range(width) if heading[k] or k < filled]
+    first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
+    table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
+    block = Block(table, [cells[k] for k in kept], rows + 1, _notes(ranges, others, rows))
+    return _with_segments(block, names, ranges, chosen, begun)
+
+
+def _lines(text):
+    """The lines of a text; raises DataError for too many or too long ones."""
+    count = text.count("\n") + 1
+    lines = text.split("\n") if count <= MOST_LINES else []
+    if not lines or max(map(len, lines)) > LONGEST_LINE:
+        most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
+        raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
+    return lines
+
+
+def _layout(lines):
+    """The Layout with the most rows in a sample of lines; None for text without any."""
+    full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
+    sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
+
+    def most(words):
+        layouts = [Layout(mark, words) for mark in (";", "\t", "", ",")]
+        hits = [sum(1 for line in sample if line and each.is_row(line)) for each in layouts]
+        cut = [sum(len(each.split(line)) for line in full[-20:] if each.is_row(line)) for each in layouts]
+        best = max(range(len(layouts)), key=lambda k: (hits[k], cut[k] if layouts[k].separator else 0))
+        return hits[best], layouts[best]
+
+    (plain, numeric), (wordy, mixed) = most(False), most(True)
+    if max(plain, wordy) == 0 or not any(any(map(str.isdigit, line)) for line in sample):
+        return None
+    return mixed if wordy > 2 * plain + 1 else numeric
+
+
+def _ranges(raw, lines, layout):
+    """(Layout, [indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
+    is_row = layout.is_row
+    row = np.fromiter((bool(line) and bool(is_row(line)) for line in lines), bool, len(lines))
+    labels = [(k, match[1].lower(), match[2].strip()) for k, line in enumerate(raw)
+              if line[:1] == "#" and (match := LABEL.match(line))]  # fmt: skip
+    named = {k: text for k, label, text in labels if label == "segment"}
+    if len({text for _, label, text in labels if label == "columns"}) > 1:
+        named = dict.fromkeys(named, "")  # tables of other columns are no segments of one
+    text = [k for k, line in enumerate(lines) if (line and not row[k]) or k in named]
+    rows = np.flatnonzero(row)
+    digits = [bool(re.search(r"\d", lines[k])) for k in rows[:50]]  # lines of dashes are none
+    rows = np.delete(rows, [k for k, has in enumerate(digits) if not has and not any(digits[:k])])
+    groups = np.searchsorted(text, rows)
+    cuts = np.flatnonzero(np.diff(groups)) + 1
+    ranges = [part for part in np.split(rows, cuts) if part.size]
+    k = ranges[0][0] if ranges else 0
+    beside, above = layout._replace(words=True), lines[k - 1]
+    if k and beside != layout and beside.is_row(above) and layout.width(above) == layout.width(lines[k]):
+        return _ranges(raw, lines, beside)  # some oscilloscopes write words beside the first rows
+    at = list(named)
+    last = np.searchsorted(at, [part[0] for part in ranges]) - 1
+    return layout, ranges, ["" if k < 0 else named[at[k]] for k in last]
+
+
+def _chosen(ranges, names, channel):
+    """([numbers of the tables that are read], [those left out]); several are one where each names its segment."""
+    if not ranges:
+        raise DataError("no points; no line has numbers alone")
+    long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
+    if channel is not None:
+        channel = int(channel) if str(channel).isdigit() else channel
+        if channel == "all" and long:
+            return long, []
+        if channel not in range(1, len(long) + 1):
+            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
+        return [long[channel - 1]], []
+    if len(long) > 1 and not all(names[k] for k in long):
+        begin = [str(ranges[k][0] + 1) for k in long]
+        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}"
+        raise DataError(reason, call={"channel": ...}, choices=[f"table from line {line}" for line in begin])
+    best = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
+    return best, [k for k in range(len(ranges)) if k > best[-1]]
+
+
+def _notes(ranges, others, rows):
+    begin = [int(ranges[k][0]) + 1 for k in others if ranges[k].size > 1]
+    return (f"line {begin[0]} begins another table: left out.",) if begin else ()
+
+
+def _reject_bad(lines, rows, layout):
+    """Raises DataError for a line that a cell keeps from being a row of the table."""
+    for k in (int(rows[-1]) + 1, int(rows[0]) - 1):
+        near = lines[k] if 0 <= k < len(lines) else ""
+        cells = layout.split(near)
+        before = k > rows[0] or (k and layout.is_row(lines[k - 1]) and lines[k - 1])
+        if not near or not before or len(cells) != len(layout.split(lines[rows[0]])):
+            continue
+        bad = [cell for cell in cells if not is_number(cell) and cell not in MISSING]
+        if len(bad) < len(cells) and bad:
+            cell = repr(bad[0][:SHOWN]) if bad[0].isprintable() else "an unreadable cell"
+            raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
+
+
+def _full_rows(lines, rows, layout):
+    """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
+    counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
+    width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
+    if counts.max() > MOST_COLUMNS:
+        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
+    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
+    rows, counts = rows[begun:], counts[begun:]
+    if counts.max() > width:
+        remedy = "use decimal points, or semicolons between columns"
+        line = int(rows[np.argmax(counts > width)]) + 1
+        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
+    return rows, width, begun
+
+
+def _cells(texts, layout, width, rows):
+    """The columns of rows: float64 (k,) each, or words."""
+    from pandas import read_csv, to_numeric  # takes longer to import than the solver
+
+    text = "\n".join(texts).replace("\N{MINUS SIGN}", "-").replace('"', "")
+    if "D" in text or "d" in text:
+        text = FORTRAN.sub(r"\1e\2", text)
+    commas = layout.separator != "," and "," in text
+    words = layout.words
+    if commas and not words and "." in text:
+        k = next(k for k, line in enumerate(texts) if "," in line)
+        raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
+    if commas and not words and not DECIMAL.search(text):
+        line = int(rows[next(k for k, line in enumerate(texts) if "," in line)]) + 1
+        raise DataError("commas with three digits behind each may separate thousands; write decimal points", line)
+    frame = read_csv(
+        StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
+        decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
+        skipinitialspace=True, low_memory=False, dtype=str if words else None,
+    )  # fmt: skip
+    cells = []
+    for k in frame:
+        column = frame[k]
+        if words or column.dtype == object or column.dtype == "str":
+            texts_of = column.fillna("").astype(str).str.strip(' "')
+            numbers = to_numeric(texts_of.str.replace(",", ".") if commas else texts_of, errors="coerce")
+            known = int(numbers.notna().sum())
+            # a column of which few cells are numbers is one of words, such as the stage of a run
+            column = numbers if known and 2 * known >= texts_of.ne("").sum() else texts_of.astype(object)
+        cells.append(column.to_numpy(object if column.dtype == object else np.float64))
+    return cells
+
+
+def _range(cells):
+    """(least, largest) finite number of a column; nan without any."""
+    known = cells[np.isfinite(cells)] if cells.dtype != object else []
+    return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
+
+
+def _heading(above, layout, sizes):
+    """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
+    labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
+    named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
+    near = _near(above, layout, sizes) if named is None else []
+    unit_row = next((k for k, cells in enumerate(near) if _are_units(cells)), None)
+    if unit_row is not None:  # names stand above it, with comments below, or else below it
+        units = [plain_unit(cell.strip(BRACKETS)) for cell in near.pop(unit_row)]
+        near = near[unit_row:] or near
+    both = [parted(cell) for cell in named or (near[0] if near else [""] * sizes[1])]
+    below = units or [""] * sizes[1]
+    # two units of one column make one that is not known, and is asked for
+    each = [
+        " or ".join(dict.fromkeys(filter(None, pair))) for pair in zip((own for _, own in both), below, strict=True)
+    ]
+    return [unit or None for unit in each], [name for name, _ in both]
+
+
+def _near(above, layout, sizes):
+    """[cells] of the lines next to the first row that have words in each column, the lowest first."""
+    near = []
+    for line in [line for line in reversed(above) if re.search(r"[^\W\d_]", line)][:3]:
+        cells = _split(line.strip(COMMENT), layout, sizes)
+        if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
+            break
+        near.append(cells)
+    return near
+
+
+def _are_units(cells):
+    """Whether more than half of the cells are units; others may be such as mm/sec."""
+    filled = [cell for cell in cells if cell]
+    return 2 * sum(named_unit(cell) or cell[0] in BRACKETS for cell in filled) > len(filled)
+
+
+def _split(line, layout, sizes):
+    """The cells of a heading, cut by the separator of the rows or by another one into as many; None if it has more.
+
+    sizes: numbers of columns without and with the empty ones at their end.
+    """
+    filled, width = sizes
+    if not line or len(line) > 200 * width:
+        return None
+    marks = dict.fromkeys((layout.separator or "\t", ";", "\t", ","))
+    quoted = [next(csv.reader([line], delimiter=mark, skipinitialspace=True)) for mark in marks]
+    blanks = [] if re.search("[;\t]", line) else BLANKS.findall(line)
+    for cells in (*quoted, re.split(" {2,}", line), blanks):
+        cells = [" ".join(cell.split()).strip(' "') for cell in cells]
+        while len(cells) > filled and not cells[-1]:
+            cells.pop()
+        if filled <= len(cells) <= width and any(cells):
+            return [*cells, *[""] * (width - len(cells))]
+    return None
+
+
+def _with_segments(block, names, ranges, chosen, begun):
+    """The Block with a column `segment` where lines between its tables name them."""
+    if not all(names[k] for k in chosen) or len(chosen) < 2:
+        return block
+    words = np.concatenate([np.full(ranges[k].size, names[k], object) for k in chosen])[begun:]
+    columns = (*block.table.columns, Column("segment", None, np.nan, np.nan))
+    return block._replace(table=block.table._replace(columns=columns), cells=[*block.cells, words])
+
+
+def listed(items: Sequence) -> str:
+    """The first three of some items, as text."""
+    return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)
+
+
+def content_of(source: Source) -> str | bytes:
+    """The content of a file, a path, or the content itself; raises DataError, also for more than MOST_BYTES."""
+    if isinstance(source, PathLike) or (isinstance(source, str) and not re.search("[\r\n]", source)):
+        content = _content(source)
+    else:
+        content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
+    if isinstance(content, bytes):
+        for what, beginnings in OTHERS.items():
+            if content.startswith(beginnings):
+                raise DataError(f"this is {what}")
+        if not content.strip(b"\0"):
+            raise DataError("this is an empty file; choose another one")
+    return content
+
+
+def _text(source):
+    """The content as text, with plain line breaks; raises DataError where it is not text."""
+    content = content_of(source)
+    if not isinstance(content, str):
+        raw = bytes(content)
+        try:
+            content = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8")
+        except UnicodeDecodeError:  # of an older instrument: in Latin-1 every byte is a character
+            content = bytes(content).decode("latin-1")
+    content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    if binary := re.search("[\0\ufffd]", content):
+        raise DataError("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)
+    return content
+
+
+def _content(path):
+    """The bytes of a file, at most one more than allowed."""
+    shown = repr(str(path)[: 3 * SHOWN])
+    try:
+        if not Path(path).is_file():  # a pipe or a device may never end
+            raise DataError(f"{shown} is not a file; name a CSV file, or give its lines")
+        with open(path, "rb") as file:
+            return file.read(MOST_BYTES + 1)
+    except (OSError, ValueError) as failure:  # ValueError: a null character in the name
+        if isinstance(failure, DataError):
+            raise
+        reason = getattr(failure, "strerror", None) or failure
+        raise DataError(f"{shown}: {reason}; name a CSV file that can be read") from None

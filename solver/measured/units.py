@@ -1,0 +1,123 @@
+"""Units of lengths, forces and times, as headings name them; nothing is read from prose."""
+
+import re
+from collections.abc import Iterable, Mapping
+from unicodedata import normalize
+
+from ..surfaces import DataError
+from ..text import UNITS
+
+NM = {  # words of a unit, in small letters: nm
+    1.0: ("nm", "nanometer", "nanometre"),
+    1e3: ("um", "µm", "âµm", "micron", "micrometer", "micrometre"),  # the third: UTF-8 read as Latin-1
+    1e6: ("mm", "millimeter", "millimetre"),
+    1e7: ("cm", "centimeter", "centimetre"),
+    1e9: ("m", "meter", "metre"),
+    0.1: ("å", "a", "angstrom", "angström", "ångström", "ångstrom"),
+    25.4e6: ("in", "inch", "inches"),
+}
+LENGTHS = {plural: nm for nm, words in NM.items() for word in words for plural in (word, word + "s" * (len(word) > 2))}
+NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12} | {
+    **dict.fromkeys(("g", "gf", "gram", "grams"), 9.80665e-3),
+    **{"kgf": 9.80665, "kg": 9.80665, "lbf": 4.4482216152605, "lb": 4.4482216152605},
+}
+PER_WIDTH = UNITS["N/m"]
+SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
+OTHERS = (
+    "V",
+    "mV",
+    "volt",
+    "volts",
+    "ft",
+    "pm",
+    "px",
+    "pixel",
+    "pixels",
+    "deg",
+    "%",
+    "Nm",
+    "Pa",
+    "kPa",
+    "MPa",
+    "F_s",
+    "A_0",
+)
+ALLOWED = "nm, um, mm, cm, m, Å, in"
+WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
+RAISED = str.maketrans("⁻¹·*", "-1  ")
+TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
+BRACKETS = re.compile(r"(.*?)\s?[\[({]([^\])}]{0,40})[\])}]")
+SLASH = re.compile(r"([^/]*[^/\s]) ?/ ?([^\d/][^/]{0,12}(?:/\w{1,4})?)")
+LAST = re.compile(r"(.*?[^\W_])(?: in |[ _])([^\W\d_]{1,13})")
+LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2})units?\W+([^\W\d_]{1,13})\W*", re.I)
+FOR_X = re.compile(r"\b(lateral|horizontal|length|distance|x)\b", re.I)
+FOR_Z = re.compile(r"\b(values?|height|vertical|y|z)\b", re.I)
+
+
+def plain_unit(text: str) -> str:
+    """A unit with one sign for micro and one for Angstrom, each of which Unicode has twice; N m^-1 as N/m."""
+    text = normalize("NFC", text).replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}").translate(RAISED)
+    return re.sub(r"^(\w+) +(\w+) ?\^?-1$", r"\1/\2", text.strip())
+
+
+def named_unit(text: str) -> bool:
+    """Whether a text is a unit and nothing else."""
+    unit = plain_unit(text.strip("[](){} "))
+    return is_unit(unit) or unit in NEWTONS or unit in PER_WIDTH or unit in SECONDS or unit in OTHERS
+
+
+def parted(cell: str) -> tuple[str, str | None]:
+    """(name, unit or None) of a cell of a heading: F (N/m), F [N/m], F / N/m, x um, x_um, x in um, or a unit alone."""
+    if match := BRACKETS.fullmatch(cell):
+        return (match[1], plain_unit(match[2])) if match[2] not in WHICH else (cell, None)
+    if match := SLASH.fullmatch(cell):
+        return match[1], plain_unit(match[2])
+    match = LAST.fullmatch(cell)
+    if match and named_unit(match[2]) and (len(match[2]) > 1 or " in " in cell):
+        return match[1], plain_unit(match[2])
+    alone = len(cell) > 1 and named_unit(cell) and cell not in OTHERS  # pixel is a name as well
+    return ("", plain_unit(cell)) if alone else (cell, None)
+
+
+def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOWED, name: str = "unit") -> float:
+    """How much a unit is, lengths in nm; a number may stand before it, as in "0.5 um".
+
+    Raises DataError, which calls it `name`, for another one.
+    """
+    plain = plain_unit(str(unit)).removeprefix("\ufeff")
+    match = TIMES.fullmatch(plain)
+    times, word = (float(match[1]), match[2]) if match else (1.0, plain)
+    if not is_unit(word, known) or not times > 0.0:
+        raise DataError(
+            f"{name} = {str(unit)[:40]!r}; allowed units: {allowed}, or a number of them; give one of these"
+        )
+    return times * (known[word] if word in known else known[word.lower()])
+
+
+def is_unit(unit: str | None, known: Mapping[str, float] = LENGTHS) -> bool:
+    """Whether a unit is known; lengths also in capitals, as MICRON, but Nm is a torque."""
+    if not unit or unit in known:
+        return bool(unit)
+    return "nm" in known and unit.lower() in known and (len(unit) > 2 or unit.isupper())
+
+
+def units_above(lines: Iterable[str]) -> dict[str, str]:
+    """{"x", "z": unit} of lines as `Lateral units: um` and `Units: um`, the lowest first."""
+    found: dict[str, str] = {}
+    for line in reversed(list(lines)):
+        match = LABEL.fullmatch(normalize("NFC", line))
+        if not match or not is_unit(plain_unit(match[2])):
+            continue
+        for name, words in (("x", FOR_X), ("z", FOR_Z)):
+            if not match[1] or words.search(match[1]):  # of both, if it says nothing else
+                found.setdefault(name, match[2])
+    return found
+
+
+def mentioned(lines: Iterable[str]) -> str:
+    """Why a length unit in some line above the numbers is not used: it may be of anything; "" where there is none."""
+    for line in reversed(list(lines)):
+        for word in re.findall(r"[^\W\d_]+", plain_unit(line).replace("_", " ")):
+            if len(word) > 1 and is_unit(word) and word not in ("in", "IN"):
+                return f"; the line {' '.join(line.split())[:40]!r} names {word}, but not of which column"
+    return ""
