@@ -10,7 +10,7 @@ import { lay, prepare } from "./laid.js"
 const PIECE = 2 ** 19, LARGEST = 20e6 // bytes
 const WIDE = 300, HIGH = 100, STEPS = 10_000 // of the drawing; of its handles
 const NAMES = { x: "x", z: "z", U_x: "Uₓ", F: "F", L: "L", A: "A", delta: "δ", time: "time" }
-const SIGNS = [["", "sign as read"], ["1", "1: as in the file"], ["-1", "−1: turned"]]
+const SIGNS = [["1", "1: as in the file"], ["-1", "−1: turned"]]
 const OTHER = "other", TEXTS = ["line", "spacing"]
 const FIELDS = [...TEXTS, "speed", "deflection", "cut_off"]
 let file = null, turn = 0 // what is read; counts questions to the server, so that late answers are dropped
@@ -161,8 +161,9 @@ function showColumn(k) {
   entry.hidden = other !== k
   if (other === k) menuOf.value = OTHER
   at("select", "sign", k).hidden = !(role in signs)
-  fill(at("select", "sign", k), SIGNS, signs[role] ? `${signs[role]}` : "")
-  at("select", "sign", k).setAttribute("aria-invalid", seen.asked?.includes(role) ?? false)
+  const asked = seen.asked?.includes(role) ?? false, first = ["", asked ? "sign: choose ..." : "sign as read"]
+  fill(at("select", "sign", k), [first, ...SIGNS], signs[role] ? `${signs[role]}` : "")
+  at("select", "sign", k).setAttribute("aria-invalid", asked)
 }
 
 function change({ target }) {
