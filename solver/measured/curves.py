@@ -69,7 +69,7 @@ OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move":
 FORCES_TOLD = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
 UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
-SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?([^",]{1,60})')
+SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?((?:[^",]|,(?=\d)){1,60})')
 SPRING = "spring|force con|stiffn"
 MOST_SAID = 100
 MOST_PULLS = 0.95  # of the points: a load that is negative at more is likely counted downwards

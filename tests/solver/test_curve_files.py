@@ -391,3 +391,9 @@ def test_forces_in_newtons_of_the_other_sign_are_refused_beside_a_run():
     text = "\n".join(["U_x (nm),F (N)", *(f"{x:.6g},{y:.6g}" for x, y in rows)]) + "\n"
     with pytest.raises(ValueError, match="turn their sign"):
         read_measurement(Scene(), text).residuals(result)
+
+
+def test_a_line_above_the_columns_keeps_its_decimal_comma():
+    rows = "".join(f"{k},5;{k * k},25\n" for k in range(20))
+    text = f"rate = 0,5 nm/s\nprobe: silicon, new\nU_x (nm);F (N/m)\n{rows}"
+    assert read_measurement(SMALL, text).said == {"rate": "0,5 nm/s", "probe": "silicon"}
