@@ -1,7 +1,7 @@
 """The pages in Chromium: drawing, opening, closing, playback, and files."""
 
 import pytest
-from served import enter, faults_at, finished, found_by_axe, laid_out
+from served import enter, faults_at, finished, found_by_axe, laid_out, patient
 
 from app.features.pages.feature import listed
 
@@ -154,9 +154,11 @@ def test_a_preset_replaces_every_parameter_says_what_to_look_for_and_is_marked_w
 
 
 @thorough
-def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
-    page, held = visit(""), []
-    page.route("**/features/regimes/page.js*", lambda route: held.append(route))
+def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(server, browser):
+    page, held = patient(browser.new_page()), []
+    page.route("**/static/later.js*", lambda route: held.append(route))
+    page.goto(server.address)
+    finished(page)
     opened = "Bokeh.documents[0].roots()[0].data.opened.open"
     page.evaluate("document.querySelector('nav [data-page=regimes]').click()")
     page.wait_for_function(f"{opened} === 'regimes'")
@@ -166,6 +168,7 @@ def test_a_page_closed_before_its_script_has_arrived_is_not_drawn(visit):
         route.continue_()
     page.evaluate("document.querySelector('nav [data-page=law]').click()")
     page.wait_for_function(f"() => {DRAWN['law']}")  # earlier messages are through, without errors
+    page.close()
     assert held
 
 
