@@ -1,7 +1,7 @@
 """Dragging a slider in Chromium: predictions during the drag, fixed axes, then the exact run."""
 
 import pytest
-from served import enter, finished, paused_at, values_are
+from served import enter, finished, grab, paused, values_are
 from tabs import imported
 
 pytestmark = pytest.mark.thorough
@@ -53,26 +53,6 @@ ADHERING = """() => {  // pixels of the punch in the colour of nodes that adhere
         if (data[i] === 0xd5 && data[i + 1] === 0x5e && data[i + 2] === 0 && data[i + 3] === 255) found++
     return found
 }"""
-
-
-def grab(page, name):
-    """Press the mouse on the thumb of a slider; returns where each of its positions is."""
-    slider = page.locator(f"#{name}")
-    box, (at, last) = slider.bounding_box(), slider.evaluate("(e) => [Number(e.value), Number(e.max)]")
-
-    def point(steps):
-        thumb = 16.0  # px
-        return box["x"] + thumb / 2 + (box["width"] - thumb) * (at + steps) / last, box["y"] + box["height"] / 2
-
-    page.mouse.move(*point(0))
-    page.mouse.down()
-    return point
-
-
-def paused(look, query):
-    page = look(query)
-    paused_at(page, 300)
-    return page
 
 
 def test_dragging_a_slider_shows_predictions_then_the_exact_run_on_axes_that_stay(look):

@@ -188,3 +188,24 @@ def found_by_axe(page):
 
     rules = Axe().run(page, options={"iframes": False}).response["violations"]
     return {rule["id"]: [node["html"][:160] for node in rule["nodes"]] for rule in rules}
+
+
+def grab(page, name):
+    """Press the mouse on the thumb of a slider; returns where each of its positions is."""
+    slider = page.locator(f"#{name}")
+    box, (at, last) = slider.bounding_box(), slider.evaluate("(e) => [Number(e.value), Number(e.max)]")
+
+    def point(steps):
+        thumb = 16.0  # px
+        return box["x"] + thumb / 2 + (box["width"] - thumb) * (at + steps) / last, box["y"] + box["height"] / 2
+
+    page.mouse.move(*point(0))
+    page.mouse.down()
+    return point
+
+
+def paused(look, query):
+    """The page, paused at increment 300."""
+    page = look(query)
+    paused_at(page, 300)
+    return page

@@ -1,7 +1,7 @@
 """Slow motion in Chromium."""
 
 import pytest
-from served import paused_at
+from served import grab, paused, paused_at
 
 pytestmark = pytest.mark.thorough
 
@@ -109,26 +109,6 @@ def test_slow_motion_without_a_slip_explains_why(look):
     page.keyboard.press("m")
     said.filter(has_text="Slow motion: no branch ends here.").wait_for()
     assert page.locator("#slow").inner_text() == "Slow motion" and page.evaluate("punch.at") == k
-
-
-def grab(page, name):
-    """Press the mouse on the thumb of a slider; returns where each of its positions is."""
-    slider = page.locator(f"#{name}")
-    box, (at, last) = slider.bounding_box(), slider.evaluate("(e) => [Number(e.value), Number(e.max)]")
-
-    def point(steps):
-        thumb = 16.0  # px
-        return box["x"] + thumb / 2 + (box["width"] - thumb) * (at + steps) / last, box["y"] + box["height"] / 2
-
-    page.mouse.move(*point(0))
-    page.mouse.down()
-    return point
-
-
-def paused(look, query):
-    page = look(query)
-    paused_at(page, 300)
-    return page
 
 
 def test_slow_motion_of_a_predicted_run_is_that_of_its_exact_run_which_comes_at_once(look):
