@@ -118,7 +118,8 @@ def profile_of(seed, width):
     x = np.linspace(0.0, width, 241)
     z = (k**-1.3 * np.cos(2.0 * np.pi * np.outer(x / width, k) + rng.uniform(0.0, 2.0 * np.pi, k.size))).sum(axis=1)
     z *= geometric(rng, 2e-3, 0.02) / np.sqrt(np.mean(np.gradient(z, x) ** 2))
-    return read_profile("\n".join(f"{a!r}, {b!r}" for a, b in zip(x.tolist(), z.tolist(), strict=True)))
+    rows = "\n".join(f"{a!r}, {b!r}" for a, b in zip(x.tolist(), z.tolist(), strict=True))
+    return read_profile(rows, unit="nm")
 
 
 def scene_of(values, **others):
