@@ -48,8 +48,7 @@ PICK = f"""([what, part]) => {{
 }}"""
 WRONG = """async () => {
     // what the page says against itself, at rest
-    const of = (name) => import(new URL(`./js/${name}.js`, document.querySelector('link[href$="/style.css"]').href))
-    const { nowSentence } = await of('sentence')
+    const { nowSentence } = await document.documentElement.module("features/sentence/sentence.js")
     const wrong = [], { run, status, drawn } = punch, by = (id) => document.getElementById(id)
     const differ = (what, a, b) => { if (`${a}` !== `${b}`) wrong.push(`${what}: ${a} against ${b}`) }
     if (status.state === 'failed' || !(run.sheared >= 0)) return wrong
