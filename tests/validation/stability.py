@@ -32,6 +32,7 @@ CAUSES = {
     "s of processor time": "out of time",
     "still moving": "still moving after the most steps",
     "flutters": "flutters for ever",
+    "moves on while the load rises": "does not rest while the load rises",
     "diverges": "the motion diverges",
     "more than 100 slips": "too many slips in one increment",
     "": "no equilibrium in reach of the tolerance",

@@ -101,7 +101,7 @@ const sentence = (text = "") =>
 
 // Everything that the server says about the file
 function show(given) {
-  seen = { channels: seen.channels, lengths: seen.lengths, ...given } // which are told once
+  seen = { channels: seen.channels, lengths: seen.lengths, ...given } // sent only by the refusal that asks
   by("file-sent").hidden = true
   const { kinds = {}, kind = "", channels, lengths, fields = {} } = seen
   fill(by("file-kind"), [["", "choose …"], ...Object.entries(kinds)], kind)
