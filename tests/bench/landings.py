@@ -39,6 +39,7 @@ FAR = 0.5  # nm, beyond twice the increment of the load: a larger move is a slip
 SAME = 1e-4  # nm, between the events of two versions
 WRONG = 1e-3  # of the force before the slip; of soft punches, of the largest
 LIMIT = 60.0  # s of processor time of a solver's run
+BUDGET = 100_000  # force evaluations of GFMD from rest to rest, ten times what a usual slip takes
 
 
 def first_slip(values):
@@ -79,7 +80,7 @@ def by_gfmd(values):
 
 def judged(scene, u, load, U_s):
     """Where GFMD lands, by start: F_bar and L_bar at the next loads of the grid, and by how many sites it slipped."""
-    plain = Plain(scene, tolerance=1e-6)
+    plain = Plain(scene, tolerance=1e-6, budget=BUDGET)
     arrived = plain.rest(u, load, -scene.delta)
     row = {"offset": float(np.abs(arrived.u - u).max())}
     # ever smaller steps towards the event, as the jolt of a larger one would carry the surface over its end
@@ -96,7 +97,7 @@ def judged(scene, u, load, U_s):
     row["loads"] = [scene.shear_at(first + i) for i in range(GRID)]
     rng, row["landings"] = np.random.default_rng(0), {}
     for name, (offset, fraction) in SLIPS.items():
-        plain = Plain(scene, fraction, tolerance=1e-6)
+        plain = Plain(scene, fraction, tolerance=1e-6, budget=BUDGET)
         kicked = arrived.u + KICK * rng.uniform(-1.0, 1.0, u.shape)
         row["landings"][name] = landed(plain, kicked, U_s + offset, row["loads"])
     landings = row["landings"].values()
