@@ -171,6 +171,12 @@ COMMANDS = {
         " exact run; and of predictions made wrong on purpose.",
         (BENCH + "certify.py",),
     ),
+    "unstable": Entry(
+        "Performance",
+        "Unstable branches",
+        "Unstable branches of random punches against their mirror images, and processor time over that of the run.",
+        (BENCH + "unstable.py",),
+    ),
     "drag": Entry(
         "Load",
         "A drag in a browser",

@@ -1,7 +1,8 @@
 """The unstable branch that a slip jumps over: the equilibria between two stable branches, which no run visits.
 
 At the fold where a slip begins the branch turns back. It goes on to lower loads, unstable, until it turns again and
-becomes the stable branch of the next site.
+becomes the stable branch in which the slip lands. On the way it may turn several times, where a front of slip passes
+from node to node. Pieces between such turns may be stable, but no run with rising load reaches them.
 """
 
 from dataclasses import dataclass, field
@@ -22,17 +23,17 @@ from ..threads import computation
 
 SOLVED = 1e-8  # nm, residual of the states
 FOLDS = FoldOptions(state=1e-8, accuracy=1e-3)  # units
-LEAST = FoldOptions(state=1e-8, accuracy=1e-3, least=True)
+LEAST = FoldOptions(state=1e-8, accuracy=1e-4, least=True)  # with 1e-3 a soft mode was missed
 BACK = 0.03  # units, from the fold to the point before it
-MOST = 400  # points; the default's branch has 106, as one node after another moves on
+MOST = 400  # points; the default's branch has 72, as one node after another moves on
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UnstableBranch:
-    """The states of an unstable branch from the fold where a slip begins to the next fold, in order.
+    """The states of an unstable branch, from the fold where a slip begins to that where the next branch does.
 
     U_x (k,): loads, nm; F_bar, L_bar, A_bar (k,); v (k, size): unknowns as of a Skeleton. sites: the sites over which
-    the slip leads. ends: whether the last state is a fold; else `why` says where the branch was lost. residual: the
+    the slip leads. ends: whether the last state is that fold; else `why` says where the branch was lost. residual: the
     largest, nm.
 
     Example: `unstable_branch(skeleton_of(Scene())).U_x[[0, -1]]`
@@ -59,7 +60,7 @@ def unstable_branch(run: Any, slip: int = 0) -> UnstableBranch:
     """Computes the unstable branch that a slip jumps over.
 
     Parameters: run: a Result, or a Skeleton; slip: number of the slip in shear, from 0 on.
-    Returns the UnstableBranch from the fold at which the slip begins to the next fold.
+    Returns the UnstableBranch from the fold at which the slip begins to that of the branch which outlasts this one.
     Raises NotFollowed for a run without a Skeleton, such as one in which a branch ends by flutter, and where Newton's
     steps do not solve the fold; IndexError for a slip that the run does not have.
 
@@ -81,15 +82,17 @@ def unstable_branch(run: Any, slip: int = 0) -> UnstableBranch:
 
 
 def _walked(problem, fold, phi):
-    """(the Points from a fold on, the End at the next fold, the last Point; or None if the branch is lost)."""
+    """(the Points from a fold on, the End where the next branch begins, the last Point; or None if that is lost)."""
     before = Point(fold.load, fold.v - BACK * problem.unit * phi / np.abs(phi).max())
-    points = [Point(fold.load, fold.v)]
-    for point in walk_arc(Corrector(problem), [points[0], before]):
-        if point.load > points[-1].load and len(points) > 1:
-            last = points[-1]
-            end = fold_near(problem, End(last.load, last.v, point.v - last.v), LEAST)
-            return (points if end is None else [*points[:-1], Point(end.load, end.v)]), end
+    points, least = [Point(fold.load, fold.v)], 0  # least: number of the last minimum
+    for point in walk_arc(Corrector(problem, twice=False), [points[0], before]):
+        if least and point.load > fold.load:
+            low, above = points[least : least + 2]
+            end = fold_near(problem, End(low.load, low.v, above.v - low.v), LEAST)
+            return [*points[:least], low if end is None else Point(end.load, end.v)], end
         points.append(point)
+        if len(points) > 2 and points[-3].load > points[-2].load < point.load:
+            least = len(points) - 2
         if len(points) > MOST:
             break
     return points, None
@@ -105,10 +108,14 @@ def _branch(skeleton, problem, points, shift, sites, ends):
         np.array([point.load for point in points]) + shift,
         [contact_area(skeleton.scene, each) for each in T],
     )
-    why = "It ends at the next fold, where the branch of the next site begins."
+    why = "It ends at the fold where the branch of the next site begins."
     if not ends:
-        why = f"It could be followed down to U_x = {loads[-1]:.6g} nm only."
+        why = f"It could be followed to U_x = {loads[-1]:.6g} nm only."
     elif sites > 1:
-        why = f"It ends at the next fold. The slip does not rest on the branch beyond: it leads over {sites} sites."
+        why = "It ends at the fold where the branch begins in which the slip lands."
+    if sites > 1:
+        why += f" The slip leads over {sites} sites."
+    if turns := int((np.diff(np.sign(np.diff(loads))) != 0.0).sum()):
+        why += f" It turns {turns} times on the way, where a front of slip passes from node to node."
     bars = *forces(skeleton.scene, T), np.array(areas)
     return UnstableBranch(skeleton.scene, np.array(loads), *bars, v, sites, ends, why, float(residual), evaluations)

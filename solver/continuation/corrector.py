@@ -33,8 +33,9 @@ class Corrector:
     sharp: v (size,) of the equilibrium whose inverse tangent preconditions, or None. A State keeps it for `begin`.
     """
 
-    def __init__(self, problem):
-        self.problem = problem
+    def __init__(self, problem, twice=True):
+        """twice: whether what Anderson steps do not solve is tried again with an inverse, as `solve` says."""
+        self.problem, self.twice = problem, twice
         self.sharp = None
         self._smooth = None  # the inverse in use, or None: it treats the residual outside the span of the secant pairs
         self._origin: np.ndarray | None = None  # v of the equilibrium found last
@@ -60,9 +61,9 @@ class Corrector:
     def _uses(self, sharp):
         return self.sharp is not None and np.array_equal(self.sharp, sharp)
 
-    def direction(self, state) -> np.ndarray:
-        """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY`; large near a fold."""
-        return self._iterations(state.v)(self.problem.direction)
+    def direction(self, state, *accuracy) -> np.ndarray:
+        """dv/ds of the branch at a State, (size,), to `inverse.ACCURACY` or as given; large near a fold."""
+        return self._iterations(state.v, *accuracy)(self.problem.direction)
 
     def _iterations(self, v, *accuracy):
         """The inverse of -dR/dv by iterations."""
@@ -84,7 +85,7 @@ class Corrector:
                 return solution
             if secants is not None:
                 secants.forget()
-            if self._uses(self._origin):
+            if not self.twice or self._uses(self._origin):
                 return None
             self._use(self._origin)
 

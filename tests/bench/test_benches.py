@@ -29,6 +29,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "sensitivities": (["--scenes", "1"], "derivatives"),
     "skeletons": (["--scenes", "1"], "error of F_s"),
     "start": (["--repeats", "1"], ", 0 compiled\n"),  # whatever was compiled is kept
+    "unstable": (["--scenes", "0"], "4 lead to the next branch, 0 of them elsewhere"),
     "visit": (["--visits", "1"], "largest contentful paint"),
 }
 

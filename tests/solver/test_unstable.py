@@ -19,6 +19,10 @@ def weak():
     return skeleton_of(WEAK)
 
 
+TURNS = Scene(E=92.7, delta_bar=1.12, phi_ratio=0.16)  # the branch turns twice on the way
+GLIDES = Scene(E=204.9, delta_bar=0.58, phi_ratio=2.26)  # a front of slip glides through the contact, a soft mode
+
+
 @pytest.fixture(scope="module", params=[WEAK, Scene(delta_bar=-0.15), Scene(hold="load", phi_ratio=0.05)], ids=repr)
 def followed(request):
     skeleton = skeleton_of(request.param)
@@ -41,10 +45,22 @@ def test_its_load_falls_and_its_states_are_unstable(followed):
     assert not Judge(skeleton.scene.damping).rightmost(skeleton.problem(), middle).rests
 
 
+@pytest.mark.parametrize("scene", [TURNS, GLIDES], ids=repr)
+def test_a_branch_that_turns_on_the_way_or_glides_is_followed_to_its_end(scene):
+    branch = unstable_branch(skeleton_of(scene))
+    ends_as_mirrored(scene, branch)
+    turns = (np.diff(np.sign(np.diff(branch.U_x))) != 0.0).sum()
+    assert turns == (2 if scene is TURNS else 0) and (f"turns {turns} times" in branch.why) == (scene is TURNS)
+
+
 def test_a_symmetric_contact_has_the_mirror_image_of_the_slip_at_the_other_end(followed):
+    ends_as_mirrored(followed[0].scene, followed[1])
+
+
+def ends_as_mirrored(scene, branch):
     """Mirrored, a state at U_x is one at -U_x; moved on by a site, it is the fold at the branch's other end."""
-    skeleton, branch = followed
-    assert branch.U_x[-1] == pytest.approx(skeleton.scene.spacing - branch.U_x[0], abs=1e-6)
+    assert branch.ends
+    assert branch.U_x[-1] == pytest.approx(scene.spacing - branch.U_x[0], abs=1e-6)
     assert branch.F_bar[-1] == pytest.approx(-branch.F_bar[0], rel=1e-6)
     assert branch.L_bar[-1] == pytest.approx(branch.L_bar[0], rel=1e-6)
 
@@ -71,7 +87,7 @@ def test_the_branch_of_a_later_slip_is_that_of_the_first_moved_on_by_a_site(weak
     np.testing.assert_allclose(second.v[:, 0], first.v[:, 0] + weak.scene.spacing, atol=1e-9)
 
 
-def test_a_slip_over_several_sites_says_that_it_does_not_rest_beyond_the_branch():
+def test_a_slip_over_several_sites_says_so():
     branch = unstable_branch(skeleton_of(ROUGH))
     assert branch.sites > 1 and f"over {branch.sites} sites" in branch.why
 

@@ -19,7 +19,7 @@ def skeleton():
 
 def test_every_slip_has_its_branch_in_newtons_per_metre(skeleton):
     branches, why = tasks.branches(skeleton)
-    assert len(branches) == len(skeleton.slips) and "next fold" in why
+    assert len(branches) == len(skeleton.slips) and "next site" in why
     for slip, branch in zip(skeleton.slips, branches, strict=True):
         assert branch["U_x"][0] == pytest.approx(slip.load, rel=1e-5)
         assert branch["F"][0] == pytest.approx(slip.F_bar * SCENE.width * SCENE.E, rel=1e-4)
