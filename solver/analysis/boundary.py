@@ -23,7 +23,7 @@ from .cusp import Lost, State, System, along_folds, newton
 SMOOTHER = {"phi_ratio": -1.0, "E": 1.0}  # whether sliding gets smoother as the parameter grows, or as it falls
 BELOW = 1e-3  # of the parameter: so far on the smooth side of a cusp a period is walked
 BEYOND = 0.4  # of log p: a search that leaves the range by more than this ends
-SMOOTH = 100.0  # the factor by which a parameter changes to a scene that may slide smoothly
+SMOOTH = 100.0  # the factor by which a parameter changes to a scene that slides more smoothly
 FOLDS = 8  # most folds that are followed to their cusps
 PLACES = 256  # loads of a smooth period among which the least slope is looked for
 GENTLE = 0.1  # slope of the load over the largest one: where it is less, a small fold may lie between two points
@@ -104,19 +104,17 @@ class _Search:
 
     def found(self, run) -> State:
         """The State at the boundary, from a Scene or its Skeleton or, if that fails, from a scene that is smoother."""
-        scene, slips = (run.scene, bool(run.branches[-1].slip)) if isinstance(run, Skeleton) else (run, True)
+        scene = run.scene if isinstance(run, Skeleton) else run
         try:
             return self.lowest(run if isinstance(run, Skeleton) else skeleton_of(run))
         except Beyond:
             raise
         except (Lost, NotFollowed, np.linalg.LinAlgError):
-            if not slips:
+            if isinstance(run, Skeleton) and not run.branches[-1].slip:
                 raise
         value = np.clip(getattr(scene, self.name) * SMOOTH**self.way, *self.within)
         other = skeleton_of(scene.changed(**{self.name: float(value)}))
         self.evaluations += other.evaluations
-        if other.branches[-1].slip:
-            raise self.beyond()
         return self.lowest(other)
 
     def lowest(self, skeleton) -> State:

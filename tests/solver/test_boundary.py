@@ -118,6 +118,13 @@ def test_a_run_too_short_to_slip_has_the_boundary_of_a_longer_one(default):
     assert boundary(Scene(u_x_max=5.0), "E").value == pytest.approx(boundary(default, "E").value, rel=1e-7)
 
 
+@pytest.mark.parametrize("name", ["E", "phi_ratio"])
+def test_a_run_that_flutters_has_the_boundary_of_a_smoother_one(default, name):
+    """The runs at E = 12 end by flutter. That at 100 times the modulus, or at a hundredth of phi_ratio, slips."""
+    soft, other = Scene(E=12.0), default if name == "E" else Scene(E=12.0, phi_ratio=0.001)
+    assert boundary(soft, name).value == pytest.approx(boundary(other, name).value, rel=1e-6)
+
+
 def test_a_boundary_by_another_parameter_is_rejected():
     with pytest.raises(SceneError, match="nu"):
         boundary(Scene(), "nu")
