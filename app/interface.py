@@ -109,6 +109,9 @@ class Feature(Requests):
     def requested(self, scene: Scene) -> None:
         """Called when another scene is computed or predicted from now on."""
 
+    def predicted(self, skeleton: Skeleton) -> None:
+        """Called when a predicted run has been sent to the browser, while a slider is held."""
+
     def ended(self, run: Any, skeleton: Skeleton | None) -> None:
         """Called when an exact run has ended; skeleton: predictions start from it, if it can be continued."""
 

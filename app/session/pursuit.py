@@ -223,6 +223,7 @@ class Pursuit:
         metrics.count("followed")
         self.skeleton, self.shown = job.result.skeleton, request.scene
         self.session.send("skeleton", acknowledged=request.number, body=job.result.body)
+        self.session.tell("predicted", self.skeleton)
         return True
 
     def _nearest(self, scene: Scene) -> Skeleton | None:

@@ -56,10 +56,11 @@ class UnstableBranch:
 
 
 @computation
-def unstable_branch(run: Any, slip: int = 0) -> UnstableBranch:
+def unstable_branch(run: Any, slip: int = 0, most: int = MOST) -> UnstableBranch:
     """Computes the unstable branch that a slip jumps over.
 
-    Parameters: run: a Result, or a Skeleton; slip: number of the slip in shear, from 0 on.
+    Parameters: run: a Result, or a Skeleton; slip: number of the slip in shear, from 0 on;
+    most: points after which the walk ends.
     Returns the UnstableBranch from the fold at which the slip begins to that of the branch which outlasts this one.
     Raises NotFollowed for a run without a Skeleton, such as one in which a branch ends by flutter, and where Newton's
     steps do not solve the fold; IndexError for a slip that the run does not have.
@@ -76,12 +77,12 @@ def unstable_branch(run: Any, slip: int = 0) -> UnstableBranch:
     if fold is None:
         raise NotFollowed(f"the fold at {branch.end:g} nm is not solved by Newton's steps")
     forth = fold.phi @ (fold.v - branch.states[-2].v)
-    points, end = _walked(problem, fold, np.sign(forth) * fold.phi)
+    points, end = _walked(problem, fold, np.sign(forth) * fold.phi, most)
     sites = round(problem.sites(fold.v, skeleton.unknowns(np.nextafter(branch.end, np.inf))[0]))
     return _branch(skeleton, problem, points, turns * skeleton.period, sites, end is not None)
 
 
-def _walked(problem, fold, phi):
+def _walked(problem, fold, phi, most):
     """(the Points from a fold on, the End where the next branch begins, the last Point; or None if that is lost)."""
     before = Point(fold.load, fold.v - BACK * problem.unit * phi / np.abs(phi).max())
     points, least = [Point(fold.load, fold.v)], 0  # least: number of the last minimum
@@ -93,7 +94,7 @@ def _walked(problem, fold, phi):
         points.append(point)
         if len(points) > 2 and points[-3].load > points[-2].load < point.load:
             least = len(points) - 2
-        if len(points) > MOST:
+        if len(points) > most:
             break
     return points, None
 

@@ -1,5 +1,6 @@
 """Between slips: the unstable branch that a slip jumps over, dashed behind the curves."""
 
+from functools import partial
 from typing import Any
 
 from app import interface
@@ -16,24 +17,31 @@ class Feature(interface.Feature):
     ORDER = 30
     PARAMS = {
         "unstable": "asks for the unstable branches of the run, or for no more of them: shown",
-        "branches": "unstable branches: list of {U_x, F, L, A}, why; none where they are not known",
+        "branches": "unstable branches: list of {U_x, F, L, A}, why, exact (of a run, not of a prediction)",
     }
 
     def __init__(self, session: Any) -> None:
         super().__init__(session)
         self.shown = False
-        self.skeleton: Skeleton | None = None
+        self.skeleton: Skeleton | None = None  # of the newest run or prediction
+        self.exact = True  # whether it is that of a run
 
     def requested(self, scene: Scene) -> None:
-        """Remove the branches: they belong to another scene."""
-        self.cancel()
-        if self.skeleton is not None and self.shown:
-            self.session.send("branches", list=[], why="")
+        """Remove the branches of a run: they belong to another scene. Those of predictions follow the slider."""
+        if self.exact:
+            self.cancel()
+            if self.skeleton is not None and self.shown:
+                self.session.send("branches", list=[], why="", exact=True)
         self.skeleton = None
+
+    def predicted(self, skeleton: Skeleton) -> None:
+        """Compute the branch of a prediction, as soon as that of an earlier one is there."""
+        self.skeleton, self.exact = skeleton, False
+        self._ask()
 
     def ended(self, run: Any, skeleton: Skeleton | None) -> None:
         """Compute the branches of a run."""
-        self.skeleton = skeleton
+        self.skeleton, self.exact = skeleton, True
         self._ask()
 
     @order("unstable", shown=orders.is_flag)
@@ -43,11 +51,14 @@ class Feature(interface.Feature):
         self._ask()
 
     def _ask(self):
-        if not self.shown:
+        if not self.shown or self.skeleton is None:
             self.cancel()
-        elif self.skeleton is not None:
-            self.ask((tasks.branches, self.skeleton), self._made)
+        elif self.exact or not self.waiting:
+            call = tasks.branches, self.skeleton, self.exact
+            self.ask(call, partial(self._made, self.skeleton, self.exact), private=not self.exact)
 
-    def _made(self, made):
+    def _made(self, skeleton, exact, made):
         branches, why = made or ([], "The unstable branch could not be computed.")
-        self.session.send("branches", list=branches, why=why)
+        self.session.send("branches", list=branches, why=why, exact=exact)
+        if not exact and self.skeleton is not skeleton:
+            self._ask()

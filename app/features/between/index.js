@@ -9,18 +9,19 @@ const CURVES = [["forces", "F", "--shear"], ["forces", "L", "--normal"], ["area"
 const DASH = [3, 4]
 
 export function connect() {
-  declare({ unstable: [] })
+  declare({ unstable: [], follows: false })
   for (const [chart, name] of CURVES) addPart(chart, `between_${name}`, { kind: "lines", list: [] }, name)
   on("unstable", "change", () => {
     order("unstable", { shown: by("unstable").checked })
-    if (!by("unstable").checked) show({ list: [], why: "" })
+    if (!by("unstable").checked) show({ list: [], why: "", exact: true })
   })
   take("branches", show)
-  view(["unstable", "run", "drawn"], draw)
+  view(["unstable", "follows", "run", "drawn"], draw)
 }
 
-function show({ list, why }) {
-  me.unstable = by("unstable").checked ? list : []
+// follows: they are of a prediction while a slider is held, and come a moment after it
+function show({ list, why, exact }) {
+  Object.assign(me, { unstable: by("unstable").checked ? list : [], follows: !exact })
   tell(by("unstable-why"), by("unstable").checked ? why : "")
 }
 
@@ -29,8 +30,9 @@ function show({ list, why }) {
 function draw() {
   const { run, unstable } = me, here = run?.curves.U_x[Math.max(0, me.drawn)] ?? 0
   const next = unstable.find(({ U_x }) => U_x[0] >= here) ?? unstable.at(-1)
-  const along = next && run?.head.abscissa === "U_x" ? [next] : []
-  for (const [chart, name, ink] of CURVES) {
+  const along = next && run?.head.abscissa === "U_x" && (run.followed || !me.follows) ? [next] : []
+  for (const [chart, name, own] of CURVES) {
+    const ink = me.follows ? "--ghost" : own
     const list = along.map((branch) => ({ x: branch.U_x, y: branch[name], ink, width: 1, dash: DASH }))
     charts[chart].fill(`between_${name}`, { list })
   }

@@ -45,3 +45,28 @@ def test_branches_are_computed_only_while_they_are_shown_and_go_with_their_scene
     made.ended(SimpleNamespace(scene=SCENE), skeleton)
     order(session, "unstable", shown=False)
     assert not made.waiting
+
+
+def test_while_a_slider_is_held_one_branch_after_the_other_is_computed_and_then_that_of_the_run(session, skeleton):
+    made, sent = session.features["between"], messages(session)
+    order(session, "unstable", shown=True)
+    others = [skeleton_of(SCENE.changed(E=E)) for E in (71.0, 72.0, 73.0)]
+    for other in others:  # the pictures of a drag, which come faster than branches
+        made.requested(other.scene)
+        made.predicted(other)
+    (call,) = made.waiting
+    assert call[1] is others[0]
+    made._answered(call, call[0](*call[1:]))
+    assert not sent[-1]["exact"] and len(sent[-1]["list"]) == len(others[0].slips)
+    (call,) = made.waiting
+    assert call[1] is others[-1]
+    made.ended(SimpleNamespace(scene=SCENE), skeleton)  # the exact run takes the place of what is left
+    (call,) = made.waiting
+    made._answered(call, call[0](*call[1:]))
+    assert sent[-1]["exact"] and call[1] is skeleton and not made.waiting
+
+
+def test_the_branch_of_a_prediction_takes_few_points():
+    skeleton = skeleton_of(Scene(delta_bar=1.0))  # its branch has 156
+    (branch, *_), _ = tasks.branches(skeleton, exact=False)
+    assert len(branch["U_x"]) <= tasks.SOON + 1 < len(tasks.branches(skeleton)[0][0]["U_x"])
