@@ -7,8 +7,8 @@ There is one visitor, on a warm server. Without --drag, each key step follows th
 each of three sliders is dragged at 20 moves a second, slowly and quickly, forth and back. It prints new curves per
 second, their age, the time from the release to the exact run, the duration of interactions (Event Timing), and the
 bytes of a drag. --laid repeats the drags with a measured curve over the run, which was dropped on the page, and prints
-how soon it was drawn, and the ratio of curves a second. --throttle 4 is a school's Chromebook: a processor 4 times as
-slow, on 1366 x 768. Scenes are new to the server without --known.
+how soon it was drawn, and the ratio of curves a second; --between, with the unstable branch. --throttle 4 is a school's
+Chromebook: a processor 4 times as slow, on 1366 x 768. Scenes are new to the server without --known.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import shutil
 import sys
 import time
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from playwright.sync_api import sync_playwright
@@ -170,16 +171,27 @@ LAY = """async (text) => {
 }"""
 
 
-def drags_with_a_curve(page, moves):
-    """Drag without and with a measured curve over the run; print how soon that is drawn, and the ratio."""
+def drags_with(more, page, moves):
+    """Drag without and with what `more` opens on the page; print the ratio."""
     drags(page, moves)  # scripts and server are warm then
     without = drags(page, moves)
-    rows = "\n".join(f"{0.1 * k:.1f},{150 * (1 - 0.5 ** (0.03 * k)):.4f}" for k in range(1, 401))
-    print(f"dropped curve of 400 points drawn after {page.evaluate(LAY, 'U_x (nm),F (N/m)' + chr(10) + rows):.0f} ms")
+    more(page)
     found = drags(page, moves)
     ratios = [found[name]["curves a second"] / without[name]["curves a second"] for name in found]
-    print(f"curves a second with over without the measured curve: median {percentile(ratios, 0.5):.2f}")
+    print(f"curves a second with over without: median {percentile(ratios, 0.5):.2f}")
     return found
+
+
+def lay_a_curve(page):
+    """Drop a measured curve over the run; print how soon it is drawn."""
+    rows = "\n".join(f"{0.1 * k:.1f},{150 * (1 - 0.5 ** (0.03 * k)):.4f}" for k in range(1, 401))
+    print(f"dropped curve of 400 points drawn after {page.evaluate(LAY, 'U_x (nm),F (N/m)' + chr(10) + rows):.0f} ms")
+
+
+def open_the_branch(page):
+    """Open the unstable branch, and wait for it."""
+    page.evaluate("document.getElementById('unstable').click()")
+    page.wait_for_function("punch.unstable.length > 0", timeout=60_000)
 
 
 @contextmanager
@@ -203,6 +215,7 @@ def main():
     parser.add_argument("--known", action="store_true", help="the same scenes every time, which the server has stored")
     parser.add_argument("--drag", action="store_true", help="move on every 50 ms without waiting, as a hand does")
     parser.add_argument("--laid", action="store_true", help="with --drag: again, with a measured curve over the run")
+    parser.add_argument("--between", action="store_true", help="with --drag: again, with the unstable branch")
     parser.add_argument("--throttle", type=float, default=1.0, help="times as slow a processor, on a small screen")
     parser.add_argument("--json", help="file for what was measured")
     options = parser.parse_args()
@@ -215,7 +228,8 @@ def main():
         page.goto(f"{url}?E={stiffness:.6f}" + ("" if options.drag else "&delta_bar=-0.3"))
         page.wait_for_function("() => window.punch?.status.state === 'finished'", timeout=120_000)
         page.context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": options.throttle})
-        dragging = drags_with_a_curve if options.laid else drags
+        more = lay_a_curve if options.laid else open_the_branch if options.between else None
+        dragging = partial(drags_with, more) if more else drags
         found = (dragging if options.drag else step_by_step)(page, options.moves)
         browser.close()
     load = " ".join(f"{part:.1f}" for part in os.getloadavg())
