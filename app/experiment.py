@@ -98,6 +98,8 @@ class Experiment(Viewer):
         """Call a method of every feature and return the results. A failure is logged once; run and page go on."""
         found = []
         for name, feature in self.features.items():
+            if what != "close" and getattr(type(feature), what) is getattr(interface.Feature, what):
+                continue  # it does nothing there
             try:
                 found.append(getattr(feature, what)(*values))
             except Exception:
@@ -128,9 +130,12 @@ class Experiment(Viewer):
 
         Before, Panel drops what the server sets. Several may come in one call, in any order: their numbers tell.
         """
-        given = [event for event in events if event.new]
+        given = [event for event in events if event.new and not self.closed]
         for event in sorted(given, key=lambda event: n if orders.is_number(n := event.new.get("n")) else 0):
-            pn.state.onload(on_loop(self.later, partial(self.obey, event.name, event.new)))
+            if pn.state.loaded and "content" not in event.new:  # which is forgotten later: not while Panel sets it
+                self.obey(event.name, event.new)
+            else:
+                pn.state.onload(on_loop(self.later, partial(self.obey, event.name, event.new)))
 
     def obey(self, name: str, given: Any) -> None:
         """Run an order {"n": number, field: value} of the browser. Each is acknowledged, even a rejected one.
@@ -203,10 +208,7 @@ class Experiment(Viewer):
         return self.pursuit.run
 
     def look(self) -> None:
-        """Publish the position in the queue and the number of compiled kernels; a timer calls this every second.
-
-        It also answers an order whose picture waits in the queue.
-        """
+        """Publish place in the queue and compiled kernels, and answer orders whose picture waits; once a second."""
         if not self.closed and self.pursuit.state != "idle":
             self.later(self.publish)
 
@@ -216,12 +218,9 @@ class Experiment(Viewer):
         if run is None:
             return
         waits = [f"{position} before you in the queue of the server."] if position else []
-        own: dict[str, Any] = {
-            "values": controls.values_of(self.scene),
-            "acknowledged": self.acknowledged,
-            "errors": self.errors,
-        }
-        own |= {"preset": self.preset, "address": controls.address_of(self.scene, self.preset)}
+        own: dict[str, Any] = {"values": controls.values_of(self.scene), "acknowledged": self.acknowledged}
+        own |= {"errors": self.errors, "preset": self.preset}
+        own |= {"address": controls.address_of(self.scene, self.preset)}
         own |= {"compiled": (min(self.jobs.pool.compiled, KERNELS), KERNELS) if run.state == "warming" else None}
         own |= {"notes": self.notes + waits, "cautions": self.pursuit.cautions}
         for more in self.tell("status"):

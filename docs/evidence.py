@@ -95,6 +95,12 @@ COMMANDS = {
         "A map of first slips against exact runs at 60 of its points.",
         (BENCH + "map.py",),
     ),
+    "boundary": Entry(
+        "Accuracy",
+        "Where stick-slip ends",
+        "Boundaries of 24 scenes against bisection by whole runs, and runs at 0.997 and 1.003 of each.",
+        (BENCH + "boundary.py",),
+    ),
     "mixed": Entry(
         "Accuracy",
         "Adhesion with shear against fracture mechanics",
@@ -176,6 +182,12 @@ COMMANDS = {
         "Unstable branches",
         "Unstable branches of random punches against their mirror images, and processor time over that of the run.",
         (BENCH + "unstable.py",),
+    ),
+    "slider_step": Entry(
+        "Load",
+        "A slider step on the server",
+        "Functions of the app that one step of a held slider calls, from the order to the prediction that is sent.",
+        (BENCH + "slider_step.py",),
     ),
     "drag": Entry(
         "Load",

@@ -14,9 +14,9 @@ In a session, `Jobs.start` calls back instead: see `app/service/requests.py` and
 """
 
 import asyncio
-from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
+from collections.abc import AsyncGenerator, AsyncIterator, Callable
 from concurrent.futures import CancelledError
-from contextlib import aclosing, suppress
+from contextlib import aclosing
 from functools import partial, reduce
 from operator import add
 from threading import RLock
@@ -27,10 +27,9 @@ from app.service import metrics
 from app.service.cache import Cache, size_of
 from app.service.caller import Lost
 from app.service.packing import Frames
-from app.service.pool import HEAVY, LATER, NOBODY, Pool
+from app.service.pool import HEAVY, LATER, Pool
 from app.service.pool import pool as shared_pool
-from app.service.worker import Part, compute
-from solver import Scene
+from app.service.worker import Part
 
 CAPACITY = 150e6  # bytes of cached results, about 70 runs and the tables of all pages
 LARGEST = 10e6  # bytes of one cached result: a larger one would displace many that others need
@@ -130,12 +129,6 @@ class Jobs:
                 if job.done:
                     return job.result
         return None
-
-    async def precompute(self, scenes: Iterable[Scene]) -> None:
-        """Compute runs one by one on workers that nobody needs, so that they are in the cache."""
-        with suppress(Lost, CancelledError):  # the pool has been closed
-            for scene in scenes:
-                await self.result(compute, scene, owner=NOBODY)
 
     async def _news(self, *call: Any, owner: object, **how: Any) -> AsyncGenerator[Job, None]:
         """Yield the job of a call whenever it has news; raises its exception."""

@@ -1,23 +1,18 @@
 """The pool of worker processes and the cache of finished runs, which all visitors share."""
 
-import asyncio
 import os
 import signal
 import time
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from helpers import until
-from visitor import NoPool
 
 from app.service import caller, worker
 from app.service import pool as pools
 from app.service.cache import Cache, size_of
 from app.service.fair_queue import AGEING
-from app.service.jobs import Jobs
 from app.service.packing import Frames
 from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, FairQueue, Pool, Task
-from app.service.worker import compute
 from solver import Scene, skeleton_of
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
@@ -248,33 +243,6 @@ def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks(single, 
 
 def test_a_single_worker_also_runs_background_tasks(single):
     assert single.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
-
-
-def precomputed(jobs, scenes):
-    """Compute runs in the background of another thread, which ends when they are all there."""
-    return ThreadPoolExecutor(1).submit(asyncio.run, jobs.precompute(scenes))
-
-
-def test_server_precomputes_runs_one_by_one_at_background_rank():
-    jobs, scenes = Jobs(NoPool()), [Scene(), Scene(E=80.0), Scene(E=90.0)]
-    jobs.results.put((compute, scenes[1]), ((compute, scenes[1]), Frames()))
-    done = precomputed(jobs, scenes)
-    for count, scene in ((1, scenes[0]), (2, scenes[2])):
-        until(lambda count=count: len(jobs.pool.tasks) == count)
-        task = jobs.pool.tasks[-1]
-        assert task.call == (compute, scene) and (task.owner, task.rank) == (NOBODY, LATER)
-        task.set_result(Frames(frames=7))
-    done.result(PATIENCE)
-    assert jobs.results[compute, scenes[2]][1].frames == 7
-
-
-def test_precomputing_runs_ends_with_the_pool():
-    jobs = Jobs(NoPool())
-    done = precomputed(jobs, [Scene(), Scene(E=80.0)])
-    until(lambda: jobs.pool.tasks)
-    jobs.pool.tasks[0].cancel()
-    done.result(PATIENCE)
-    assert len(jobs.pool.tasks) == 1
 
 
 def test_background_tasks_of_the_server_do_not_count_as_in_flight(single):

@@ -28,6 +28,7 @@ SMALLEST = {  # bench: (arguments, what it prints)
     "rests": (["--scenes", "2", "--jobs", "1"], "slips located"),
     "sensitivities": (["--scenes", "1"], "derivatives"),
     "skeletons": (["--scenes", "1"], "error of F_s"),
+    "slider_step": ([], "returns to a file already left"),
     "start": (["--repeats", "1"], ", 0 compiled\n"),  # whatever was compiled is kept
     "unstable": (["--scenes", "0"], "4 lead to the next branch, 0 of them elsewhere"),
     "visit": (["--visits", "1"], "largest contentful paint"),

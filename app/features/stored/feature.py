@@ -1,12 +1,18 @@
 """Stored runs: those of the experiments at the top of the page are on screen until the computed run has come."""
 
+from collections.abc import Iterable
+from concurrent.futures import CancelledError
+from contextlib import suppress
 from typing import Any
 
 from tornado.ioloop import IOLoop
 
 from app import interface
 from app.features.stored.store import FOLDER, row
-from app.service.jobs import jobs
+from app.service.caller import Lost
+from app.service.jobs import Jobs, jobs
+from app.service.pool import NOBODY
+from app.service.worker import compute
 from solver import Scene
 from solver.presets import presets
 
@@ -33,4 +39,11 @@ class Feature(interface.Feature):
     @classmethod
     def begin(cls, several: bool) -> None:
         """Compute these runs on workers that nobody needs."""
-        IOLoop.current().spawn_callback(jobs.precompute, [preset.scene for preset in row().values()])
+        IOLoop.current().spawn_callback(precompute, jobs, [preset.scene for preset in row().values()])
+
+
+async def precompute(jobs: Jobs, scenes: Iterable[Scene]) -> None:
+    """Compute runs one by one on workers that nobody needs, so that they are in the cache."""
+    with suppress(Lost, CancelledError):  # the pool has been closed
+        for scene in scenes:
+            await jobs.result(compute, scene, owner=NOBODY)
