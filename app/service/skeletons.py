@@ -29,7 +29,8 @@ from solver.run.load_steps import load_steps_of
 from solver.run.summary import widest
 
 UNIT, UNIT_OF_FLATS = 8e-5, 1e-6  # nm: interpolated u_x then errs by less than 1e-3; all nodes of a flat err alike
-LEVEL = 4  # of zlib: 6 takes 1 to 3 % fewer bytes, and three times as long, which was a tenth of a prediction
+LOWERED = 1.6e-4  # nm, of the approach, which is only drawn: with 4e-4 its area erred by a quarter of a node spacing
+LEVEL, LEVEL_AT_REST = 4, 6  # of zlib: 6 takes 5 % fewer bytes, and three times as long, a tenth of a prediction
 LARGEST = 2**15 - 1  # of a step in two bytes
 GAIN = 4.0  # by which interpolation may amplify the error of rounding
 MOST = 20_000  # force evaluations of a certificate, about a second: runs that flutter are computed in parts
@@ -118,7 +119,7 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
     """
     scene, m = skeleton.scene, skeleton.nodes
     first, sent = _part(scene, skeleton.first, m)
-    shear, body = _traced(skeleton, skeleton.branches, _in_sum)
+    shear, body = _traced(skeleton, skeleton.branches, UNIT, _in_sum)
     head = of_scene(scene) | {
         "nodes": sent,
         "first": first,
@@ -131,11 +132,11 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
         "shear": shear | {"slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips]},
     }
     if approach:
-        lowered, more = _traced(skeleton, approach, np.rint)  # only its curves are drawn
+        lowered, more = _traced(skeleton, approach, LOWERED, np.rint)  # only its curves are drawn
         ends = [(branch.end, *_at_end(skeleton, branch)) for branch in approach if branch.slip]
         head["lowered"] = lowered | {"slips": ends, "increments": load_steps_of(scene)[0].increments}
         body += more
-    return zlib.compress(headed(head, body), LEVEL)
+    return zlib.compress(headed(head, body), LEVEL_AT_REST if approach else LEVEL)
 
 
 def _at_end(skeleton, branch):
@@ -143,7 +144,7 @@ def _at_end(skeleton, branch):
     return forces_and_area(skeleton.scene, skeleton.tractions(branch.states[-1].v[None])[0])
 
 
-def _traced(skeleton, branches, rounded):
+def _traced(skeleton, branches, unit, rounded):
     """Return what the head has of branches, and their bytes."""
     scene, m = skeleton.scene, skeleton.nodes
     branches = [_refined(branch) for branch in branches]
@@ -153,7 +154,7 @@ def _traced(skeleton, branches, rounded):
     v[:, m : 2 * m] += scene.profile[skeleton.first : skeleton.first + m]
     _, sent = _part(scene, skeleton.first, m)
     v = np.delete(v, np.r_[sent:m, m + sent : 2 * m], axis=1)
-    unit, rounded = (UNIT_OF_FLATS, np.rint) if scene.surface == "flat" else (UNIT, rounded)
+    unit, rounded = (UNIT_OF_FLATS, np.rint) if scene.surface == "flat" else (unit, rounded)
     unit, row, rows = _steps(v, unit, rounded)
     loads = np.concatenate([branch.loads for branch in branches])
     kinds = [{"states": len(b.states), "slips": b.slip is not None, "periodic": b.periodic} for b in branches]
