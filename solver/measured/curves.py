@@ -15,7 +15,7 @@ from .columns import Given, asked, called, checked, for_user, given, not_used, p
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
 from .tables import SHOWN, Block, Source, listed, read_table
-from .units import ALLOWED, LENGTHS, NEWTONS, PER_WIDTH, SECONDS, TIMES, factor, is_unit
+from .units import LENGTHS, NEWTONS, PER_WIDTH, SECONDS, agreed, allowed_of, factor, is_unit, named_unit, quantity
 
 NEEDED_BY = {
     "friction": "U_x and F of friction, or time and F with a speed",
@@ -54,7 +54,7 @@ SURE = (  # kind, over one of, one of; the first that a heading names is meant
 )
 MEANT = {  # the same where `kind` is given
     "friction": (("U_x", "displacement", "time"), (*FORCES, "force")),
-    "load": ((*DEEP, "displacement", "U_x"), (*LOADS, "force")),
+    "load": ((*DEEP, "displacement"), (*LOADS, "force")),
     "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
 }
 PARTS = {  # words for a segment
@@ -66,7 +66,6 @@ PARTS = {  # words for a segment
 }
 PART_OF = {word: part for part, words in PARTS.items() for word in words}
 OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move": "forth"}  # others keep their name
-FORCES_TOLD = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
 UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
 SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?((?:[^",]|,(?=\d)){1,60})')
@@ -237,29 +236,22 @@ class _Reader:
 
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
-        role, column = self.role[name], self.table.columns[self.of[name]]
-        wanted = self.how.units.get(name)
+        role, column, force = self.role[name], self.table.columns[self.of[name]], self.how.force
+        wanted, own, known = self.how.units.get(name), column.unit, UNITS_OF.get(name, LENGTHS)
         if role.endswith("_bar"):
+            if unit := wanted or (own if own and named_unit(own) else None):
+                raise DataError(f"{role} has no unit, and {unit} is one; leave it out, or give the column as {name}")
             return 1.0, "w" if name == "A" else "w E"
-        known = UNITS_OF.get(name, LENGTHS)
-        own = column.unit if is_unit(column.unit, known) else None
-        if self.how.force is not None and name in "FL" and name in self.of:
-            if own in PER_WIDTH or own == "F_s":
-                raise DataError(f"force = {self.how.force:g}, but {column.name} is in {own}; leave force out")
-            return self.how.force, "N/m"
-        unit = wanted or own
-        if unit is None:
-            return None
-        allowed = ALLOWED if "nm" in known else ", ".join(known)
-        times = factor(unit, known, allowed, f"units[{name!r}]" if wanted else column.name)
-        if wanted and own and factor(own, known) != times:
-            raise DataError(
-                f"units[{name!r}] = {wanted!r}, but the file names {own}; leave it out, or correct the file"
-            )
-        word = (TIMES.fullmatch(unit) or [0, 0, unit])[2]
-        if name in "FL":
-            return times, "F_s" if word == "F_s" else "N/m" if word in PER_WIDTH else "N"
-        return times, "A_0" if word == "A_0" else "nm"
+        if force is not None and name in ("F", "L"):
+            if wanted or own in PER_WIDTH or own == "F_s":
+                raise DataError(f"force = {force:g}, but {column.name or name} is in {wanted or own}; leave force out")
+            return force, "N/m"
+        if wanted:
+            times = agreed(wanted, own, known, f"units[{name!r}]")
+            if own and not is_unit(own, known):
+                self.notes.append(f"{name} is read as {wanted}; the file says {own[:SHOWN]}.")
+            return times, quantity(wanted)
+        return (factor(own, known), quantity(own)) if is_unit(own, known) else None
 
     def _values(self):
         """({quantity: (k,)} of complete rows in `units`, numbers of their lines (k,)). Raises DataError."""
@@ -289,9 +281,9 @@ class _Reader:
         """The DataError for quantities without a unit that is known."""
         whys = []
         for name in missing:
-            unit, allowed = self.table.columns[self.of[name]].unit, FORCES_TOLD if name in "FL" else ALLOWED
+            unit, allowed = self.table.columns[self.of[name]].unit, allowed_of(UNITS_OF.get(name, LENGTHS))
             why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
-            whys.append(f"{why}; allowed units: {'s, ms, min, h' if name == 'time' else allowed}")
+            whys.append(f"{why}; allowed units: {allowed}")
             if unit and name == "A" and re.search("[²2]", unit):
                 whys.append("divide it by its value without shear, and write A/A_0")
         over = [name for name in self._needed() if not self.role[name].endswith("_bar")]
@@ -489,7 +481,7 @@ def _said(above):
 
 def quantity_of(role: str, kind: str) -> str:
     """What a column of that role is in a curve of that kind."""
-    if role in ("height", "position") or (role in ("displacement", "U_x") and kind == "load"):
+    if role in ("height", "position") or (role == "displacement" and kind == "load"):
         return "delta"
     if role == "force":
         return "L" if kind == "load" else "F"

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .units import factor
+from .units import agreed, factor, is_unit
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 MISSING = 1e9  # nm: heights beyond are marks of missing points
@@ -62,11 +62,10 @@ def read_line(
         )
         raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
     found = surface.unit
-    if found is None and unit is None:
-        raise DataError("the file names no unit of length; give it, as in unit='um'", call={"unit": ...})
-    if found is not None and unit is not None and factor(found) != factor(unit):
-        raise DataError(f"unit = {unit!r}, but the file names {found}; leave unit out")
-    nm = factor(found or unit)  # type: ignore[arg-type]
+    if unit is None and not is_unit(found):
+        names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
+        raise DataError(f"the file names {names}, as in unit='{'1 ' * bool(found)}um'", call={"unit": ...})
+    nm = factor(found) if unit is None else agreed(unit, found)
     heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
     heights[np.abs(heights) > MISSING] = np.nan
     sizes, z, where = surface.physical_sizes, heights, "line"

@@ -16,7 +16,7 @@ from .columns import Given, asked, checked, for_user, given, not_used, plain, re
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Block, Source, content_of, listed, read_table
-from .units import ALLOWED, factor, is_unit, mentioned, units_above
+from .units import ALLOWED, agreed, factor, is_unit, mentioned, units_above
 from .units import LENGTHS as NM
 
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
@@ -194,9 +194,9 @@ def _points(source, how):
 def _of_table(block, how):
     """As `_points`, of a Block."""
     x_z = _x_and_z(block.table, how)
-    units = _units(block.table, x_z, how)
+    sizes, read = _units(block.table, x_z, how)
     numbers = {role: np.arange(block.table.rows) if k is None else block.numbers(role, k) for role, k in x_z.items()}
-    x, z = (numbers[role] * factor(units[role]) for role in "xz")
+    x, z = (numbers[role] * sizes[role] for role in "xz")
     lines, x, z, left_out = _complete(block.lines, x, z)
     for name, values in (("x", x), ("z", z)):
         large = np.flatnonzero(np.abs(values) > 1e9)  # a metre: the unit is wrong
@@ -205,7 +205,6 @@ def _of_table(block, how):
             raise DataError(reason, int(lines[large[0]]))
     points = Points(lines, x, z)
     _reject_few(points)
-    read = f"x is read as {units['x']}, z as {units['z']}"
     spare = not_used(block, list(x_z.values()))
     notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out, *block.notes]
     return points, notes, any(PERIOD in line for line in block.table.above)
@@ -234,41 +233,42 @@ def _x_and_z(table, how):
     return of
 
 
-def _named_units(table, of, how):
-    """{"x", "z": unit or None} of two columns: as given, in the heading, or in a line above."""
-    file = units_above(table.above) | {role: table.columns[k].unit for role, k in of.items()
-                                       if k is not None and table.columns[k].unit}  # fmt: skip
-    of_file = {role: file.get(role) if of.get(role, role) is not None else None for role in "xz"}
-    return {role: _given_unit(role, of, how) or unit for role, unit in of_file.items()}
+def _file_units(table, of):
+    """{"x", "z": unit or None} of two columns, in the heading and in lines above; two that differ are one unknown."""
+    above, units = units_above(table.above), dict.fromkeys("xz")
+    for role in (role for role in "xz" if of.get(role, role) is not None):
+        own = table.columns[of[role]].unit if role in of else None
+        differs = is_unit(own) and role in above and factor(own) != factor(above[role])
+        units[role] = f"{own} or {above[role]}" if differs else own or above.get(role)
+    return units
 
 
-def _given_unit(role, of, how):
-    """The unit that an argument gives; `unit` is none of rows that are counted."""
-    return how.units.get(role, how.unit if of.get(role, role) is not None else None)
+def _given_units(of, how):
+    """{"x", "z": unit} that arguments give; `unit` is none of rows that are counted."""
+    alone = {role: how.unit for role in "xz" if how.unit is not None and of.get(role, role) is not None}
+    return alone | dict(how.units)
 
 
 def _asked(table, reason, of, how):
     """The DataError that asks for columns and units that are not known."""
-    units = _named_units(table, of, how)
-    sure = {role: unit for role, unit in units.items() if is_unit(unit) or _given_unit(role, of, how)}
+    sure = {role: unit for role, unit in _file_units(table, of).items() if is_unit(unit)} | _given_units(of, how)
     return asked(table, reason, of, {"x": NM, "z": NM}, sure)
 
 
 def _units(table, of, how):
-    """{"x", "z": unit} of two columns; raises DataError where one is not known, or another one is given."""
-    found, file = (_named_units(table, of, each) for each in (how, How()))
-    for role, unit in found.items():
-        given_one = _given_unit(role, of, how)
-        if given_one is not None:
-            nm = factor(given_one, name="unit" if how.unit else f"units[{role!r}]")
-            if is_unit(file[role]) and factor(file[role]) != nm:
-                raise DataError(
-                    f"unit = {given_one!r}, but the file names {file[role]}; leave unit out, or correct the file"
-                )
-        elif not is_unit(unit):
+    """({"x", "z": nm per unit} of two columns, how they are read); raises DataError where one is not known, or contradicted."""
+    file, own, sizes, read = _file_units(table, of), _given_units(of, how), {}, []
+    for role, unit in file.items():
+        if role in own:
+            sizes[role] = agreed(own[role], unit, name=f"units[{role!r}]" if role in how.units else "unit")
+        elif is_unit(unit):
+            sizes[role] = factor(unit)
+        else:
             why = f"{role} in {unit[:SHOWN]!r}; allowed units: {ALLOWED}" if unit else f"{role} has no unit"
             raise _asked(table, why + ("" if unit else mentioned(table.above)), of, how)
-    return found
+        told = f", where the file says {unit[:SHOWN]}" if role in own and unit and not is_unit(unit) else ""
+        read.append(f"{role} {'is read ' * (role == 'x')}as {own.get(role, unit)}{told}")
+    return sizes, ", ".join(read)
 
 
 def _complete(lines, x, z):
@@ -301,6 +301,8 @@ def reject_gaps(complete: NDArray[np.int64], lines: Sequence[int]) -> None:
 
 def _of_instrument(content, how):
     """As `_points`, of the file of an instrument."""
+    if how.columns or how.units:
+        raise DataError("columns and units belong to a table, and this is the file of an instrument; leave them out")
     x, z, note = read_line(content, how.unit, how.line, how.channel)
     known = np.flatnonzero(np.isfinite(z))
     reject_gaps(known, [0] * z.size)
