@@ -14,8 +14,20 @@ from ..text import counted
 from .columns import Given, asked, called, checked, for_user, given, not_used, plain, recognised
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
-from .tables import SHOWN, Block, Source, listed, read_table
-from .units import LENGTHS, NEWTONS, PER_WIDTH, SECONDS, agreed, allowed_of, factor, is_unit, named_unit, quantity
+from .tables import SHOWN, Block, Source, Table, listed, read_table
+from .units import (
+    LENGTHS,
+    NEWTONS,
+    PER_WIDTH,
+    SECONDS,
+    agreed,
+    allowed_of,
+    factor,
+    is_unit,
+    named_unit,
+    parted,
+    quantity,
+)
 
 NEEDED_BY = {
     "friction": "U_x and F of friction, or time and F with a speed",
@@ -37,14 +49,15 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "A_bar": ("abar",),
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
-    "height": ("height", "heightmeasured", "gap", "separation", "tipsampleseparation"),  # falls as delta grows
+    "height": ("height", "heightmeasured"),  # falls as delta grows, and has the lever in it
+    "gap": ("gap", "separation", "tipsampleseparation"),  # falls as delta grows
     "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
     "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
-DEEP, FORCES, LOADS, AREAS = ("delta", "height", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
+DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
     ("friction", ("U_x",), (*FORCES, "force")),
     ("friction", ("displacement",), FORCES),
@@ -69,7 +82,8 @@ OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move":
 FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
 UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
 SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?((?:[^",]|,(?=\d)){1,60})')
-SPRING = "spring|force con|stiffn"
+SPRING = re.compile("spring|force con|stiffn", re.I)
+SPRINGS = PER_WIDTH | {"nN/nm": 1.0, "pN/nm": 1e-3, "": 1.0}  # units of its stiffness
 MOST_SAID = 100
 MOST_PULLS = 0.95  # of the points: a load that is negative at more is likely counted downwards
 PULL = "a pull (sign 1), or counted downwards (sign -1)?"
@@ -195,7 +209,7 @@ class _Reader:
             self.role |= {quantity_of(role, kind): role for role in (own, *reversed(AREAS)) if role in self.known}
         self.of = {name: self.known[role] for name, role in self.role.items()}
         for name, k in self.of.items():  # a column that is named may be a height all the same
-            if name == "delta" and self.own.get(k) in ("height", "position"):
+            if name == "delta" and self.own.get(k) in ("height", "gap", "position"):
                 self.role[name] = self.own[k]
         for name in [name for name in self.of if name not in self._needed() and self._unit(name) is None]:
             if name in self.how.units:
@@ -300,38 +314,38 @@ class _Reader:
             self._approaching(values, sign)
         elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > MOST_PULLS:
             raise self._asked_sign({"L": ...}, f"L is negative: {PULL}")
-        if self.how.deflection is not None:
-            k = self.how.deflection
+        k, (stiffness, said) = self.how.deflection, self._lever()
+        if k is not None:
             if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
                 raise DataError(
                     f"deflection = {k!r}: allowed: above 0, N/m, of a load in N; leave it out, or give units"
                 )
             values["delta"] = values["delta"] - 1e9 * values["L"] / k
-        elif self.kind == "load":
-            self.notes += [f"{spring}: the lever is in delta; deflection takes it off." for spring in self._spring()]
+            self.notes += [f"deflection = {k:g} N/m as given; the file says {said}."] * bool(said)
+        elif said:
+            value = f"={stiffness:g}" if stiffness else ""
+            self.notes.append(f"The file says {said}: the lever is in delta; deflection{value} takes it off.")
         return values
 
-    def _spring(self):
-        """[what the file says of the stiffness of a lever]."""
-        said = (f"{key} = {text}" for key, text in self.said.items() if re.search(SPRING, key, re.I))
-        return [f"The file says {text}" for text in said][:1]
+    def _lever(self):
+        """(stiffness, N/m, or None; how the file says it, or "") of a lever whose deflection may be in delta."""
+        if self.kind != "load" or self.units["L"] != "N" or self.own.get(self.of["delta"]) in ("delta", "gap"):
+            return None, ""
+        return _spring(self.said)
 
     def _approaching(self, values, sign):
         """Gives delta the sign with which it grows as the surfaces approach; asks where it may be either."""
         delta, L, role = values["delta"], values["L"], self.role["delta"]
-        if role == "height" and "delta" not in sign:
+        if role in ("height", "gap") and "delta" not in sign:
             delta = values["delta"] = -delta
         far = delta[0]
         if role == "position" and "delta" not in sign:
-            beside = "".join(f" {spring}: deflection takes the lever off." for spring in self._spring())
             likely = -1 if delta[np.argmax(L)] < far else 1
-            raise self._asked_sign(
-                {"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?{beside}"
-            )
+            raise self._asked_sign({"delta": likely}, f"does {self._title('delta')} grow (1) or fall (-1) to contact?")
         deep, edge = np.argsort(delta), max(1, delta.size // 20)
         falls = np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]])
         own = self.own.get(self.of["delta"])
-        unsure = own not in ("delta", "height")
+        unsure = own not in ("delta", "height", "gap")
         if "L" not in sign and (falls or (unsure and -L.min() > L.max())):
             either = {} if own == "delta" or "delta" in sign else {"delta": ...}
             why = "falls as the surfaces approach" if falls else "is negative where it is largest"
@@ -342,7 +356,10 @@ class _Reader:
         return repr(self.table.columns[self.of[name]].name[:SHOWN])
 
     def _asked_sign(self, sign, reason):
-        return DataError(f"{reason} {self.table}", table=self.table, call={"sign": sign})
+        k, said = self._lever() if self.how.deflection is None else (None, "")
+        beside = f" The file says {said}: deflection takes the lever off." if said else ""
+        call = {"sign": sign} | ({"deflection": k} if k else {})
+        return DataError(f"{reason}{beside} {self.table}", table=self.table, call=call)
 
     def _part(self, values):
         """Which points (k,) are in the part that is asked for."""
@@ -479,9 +496,25 @@ def _said(above):
     return dict(pairs[:MOST_SAID])
 
 
+def _spring(said):
+    """(stiffness, N/m, or None where its unit is unknown; "name = text") of a spring that a file names, "" for none."""
+    for name, text in said.items():
+        match = re.match(r"(\d[\d.]*(?:[eE][+-]?\d+)?)\s*(\S*)", text) if SPRING.search(name) else None
+        if match:
+            unit = match[2] or parted(name)[1] or ""
+            return float(match[1]) * SPRINGS[unit] if unit in SPRINGS else None, f"{name} = {text}"
+    return None, ""
+
+
+def lever_in(table: Table, k: int) -> float | None:
+    """The stiffness, N/m, that a file names of a lever whose deflection is in its k-th column, a height; else None."""
+    own = plain(table.columns[k].name)
+    return _spring(_said(table.above))[0] if own in (*NAMED["height"], *NAMED["position"]) else None
+
+
 def quantity_of(role: str, kind: str) -> str:
     """What a column of that role is in a curve of that kind."""
-    if role in ("height", "position") or (role == "displacement" and kind == "load"):
+    if role in ("height", "gap", "position") or (role == "displacement" and kind == "load"):
         return "delta"
     if role == "force":
         return "L" if kind == "load" else "F"

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
+from .tables import numbered
 from .units import agreed, factor, is_unit
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
@@ -88,7 +89,7 @@ def _channel(reader: Any, wanted: str | int | None) -> int:
         raise DataError("the file holds no heights; export it as CSV of x and z")
     listed = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
     if wanted is None:
-        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=names)
+        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=numbered(names))
     at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
     if not 0 <= at < len(names):
         raise DataError(f"channel = {wanted!r}: allowed: {listed}; give one of these")

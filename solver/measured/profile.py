@@ -256,7 +256,7 @@ def _asked(table, reason, of, how):
 
 
 def _units(table, of, how):
-    """({"x", "z": nm per unit} of two columns, how they are read); raises DataError where one is not known, or contradicted."""
+    """({"x", "z": nm per unit} of two columns, how they are read). Raises DataError for an unknown one."""
     file, own, sizes, read = _file_units(table, of), _given_units(of, how), {}, []
     for role, unit in file.items():
         if role in own:

@@ -217,8 +217,9 @@ def _chosen(ranges, names, channel):
         return [long[channel - 1]], []
     if len(long) > 1 and not all(names[k] for k in long):
         begin = [str(ranges[k][0] + 1) for k in long]
-        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}"
-        raise DataError(reason, call={"channel": ...}, choices=[f"table from line {line}" for line in begin])
+        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}; 'all' reads them as one"
+        choices = numbered([f"table from line {line}" for line in begin]) | {"all": "all, as one table"}
+        raise DataError(reason, call={"channel": ...}, choices=choices)
     best = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
     return best, [k for k in range(len(ranges)) if k > best[-1]]
 
@@ -358,6 +359,11 @@ def _with_segments(block, names, ranges, chosen, begun):
     words = np.concatenate([np.full(ranges[k].size, names[k], object) for k in chosen])[begun:]
     columns = (*block.table.columns, Column("segment", None, np.nan, np.nan))
     return block._replace(table=block.table._replace(columns=columns), cells=[*block.cells, words])
+
+
+def numbered(names: Sequence[str]) -> dict[str, str]:
+    """{channel: name} of channels or tables that are called by their numbers."""
+    return {f"{k}": name for k, name in enumerate(names, 1)}
 
 
 def listed(items: Sequence) -> str:

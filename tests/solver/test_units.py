@@ -20,12 +20,12 @@ def profile(heading, **how):
 
 
 CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
-    (curve, "U_x (nm),F (N)", {"units": {"F": "N/m"}}, "units['F'] = 'N/m', but the file names N; leave it out, or say"),
+    (curve, "U_x (nm),F (N)", {"units": {"F": "N/m"}}, "'N/m', but the file names N; leave it out, or say what"),
     (curve, "U_x (nm),F (N/m)", {"units": {"F": "N"}}, "units['F'] = 'N', but the file names N/m; leave it out"),
     (curve, "U_x (nm),F (N)", {"units": {"F": "F_s"}}, "units['F'] = 'F_s', but the file names N"),
-    (curve, "U_x (nm),F (N)", {"units": {"F": "2 N"}}, "units['F'] = '2 N', but the file names N; leave it out, or cor"),
-    (curve, "U_x (nm),F (V)", {"units": {"F": "N"}}, "but the file names V; say what 1 V is, as \"10 N\""),
-    (curve, "U_x (s),F (N)", {"units": {"U_x": "nm"}}, "but the file names s; say what 1 s is, as \"10 nm\""),
+    (curve, "U_x (nm),F (N)", {"units": {"F": "2 N"}}, "units['F'] = '2 N', but the file names N; leave it out"),
+    (curve, "U_x (nm),F (V)", {"units": {"F": "N"}}, 'names V; say what 1 V is, as "10 N"'),
+    (curve, "U_x (s),F (N)", {"units": {"U_x": "nm"}}, 'names s; say what 1 s is, as "10 nm"'),
     (curve, "U_x (nm),A (nm)", {"units": {"A": "A_0"}}, "units['A'] = 'A_0', but the file names nm; leave it out"),
     (curve, "U_x (nm),F_bar (N/m)", {}, "F_bar has no unit, and N/m is one; leave it out, or give the column as F"),
     (curve, "U_x (nm),Force (N)", {"columns": {"F_bar": 2}}, "F_bar has no unit, and N is one"),
@@ -34,8 +34,8 @@ CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
     (curve, "U_x (nm),F", {"units": {"F": "mN"}, "force": 1e3}, "force = 1000, but F is in mN; leave force out"),
     (curve, "U_x (nm),L (N)", {"kind": "load"}, "which column is what is not certain; needed: delta and L of a load"),
     (curve, "U_x (nm),F (N/m)", {"columns": {"F": "F [N]"}}, "columns['F'] = 'F [N]' is none of them; give a name"),
-    (profile, "x (nm),z (nm)", {"unit": "um"}, "unit = 'um', but the file names nm; leave it out, or correct the file"),
-    (profile, "x (nm),z (V)", {"units": {"z": "nm"}}, "units['z'] = 'nm', but the file names V; say what 1 V is, as \"10"),
+    (profile, "x (nm),z (nm)", {"unit": "um"}, "unit = 'um', but the file names nm; leave it out"),
+    (profile, "x (nm),z (V)", {"units": {"z": "nm"}}, 'names V; say what 1 V is, as "10 nm"'),
     (profile, "X units: um\nx (nm),z (nm)", {}, "x in 'nm or um'; allowed units: nm"),
 ]  # fmt: skip
 
@@ -66,3 +66,18 @@ def test_two_units_of_one_column_are_settled_by_an_argument():
 
 def test_a_column_is_named_with_its_unit_as_well():
     assert curve("Way [nm],Pull (N)", columns={"U_x": "Way [nm]", "F": "pull (n)"}).kind == "friction"
+
+
+def approach(names, above="# spring constant: 0.5 N/m"):
+    """A load of 2 nN per nm below a line that names the lever."""
+    return "\n".join([above, names, *(f"{100 - x},{2 * x}" for x in range(41))])
+
+
+def test_a_stiffness_that_the_file_names_is_in_the_call_and_a_note_and_another_one_is_named_beside_it():
+    with pytest.raises(DataError, match=r'sign=\{"delta": -1\}, deflection=0.5\)$'):
+        read_measurement(Scene(), approach("Z (nm),Fn (nN)"))
+    found = read_measurement(Scene(), approach("height (nm),Fn (nN)"))
+    assert any("spring constant = 0.5 N/m" in note and "deflection=0.5 takes it off" in note for note in found.notes)
+    found = read_measurement(Scene(), approach("height (nm),Fn (nN)"), deflection=4.0)
+    assert "deflection = 4 N/m as given; the file says spring constant = 0.5 N/m." in found.notes
+    assert not read_measurement(Scene(), approach("separation (nm),Fn (nN)")).notes

@@ -51,7 +51,8 @@ COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  #
 class Chosen:
     """What a visitor has chosen of a file.
 
-    columns: {quantity: index of a column}; part: (from, to), fractions of the whole; channel: a number from 1 on.
+    columns: {quantity: index of a column}; part: (from, to), fractions of the whole; channel: a number from 1 on,
+    or "all"; deflection: 0 for none, None for what the file names.
     """
 
     kind: str = ""
@@ -60,7 +61,7 @@ class Chosen:
     sign: dict[str, float] = field(default_factory=dict)
     part: tuple[float, float] | None = None
     cut_off: float | None = None
-    channel: int | None = None
+    channel: str | None = None
     speed: float | None = None
     deflection: float | None = None
     line: str | None = None
@@ -233,7 +234,7 @@ def _middle(x):
 def _curve(scene, block, columns, chosen, seen):
     """The Curve of a Block."""
     derived = seen["kind"] if chosen.columns and seen["kind"] != "friction" else None
-    options = {"kind": chosen.kind or derived, "speed": chosen.speed, "deflection": chosen.deflection}
+    options = {"kind": chosen.kind or derived, "speed": chosen.speed}
     options |= {"channel": chosen.channel, "sign": chosen.sign, "units": {}}
     seen["fields"] = {"speed": "speed (nm/s)"} if "time" in columns else {}
     if chosen.columns:
@@ -249,6 +250,9 @@ def _curve(scene, block, columns, chosen, seen):
         raise
     if read.kind == "load" and read.units["L"] == "N":
         seen["fields"] = {"deflection": "stiffness of the lever (N/m), to take its deflection off δ"}
+        named = curves.lever_in(block.table, columns["delta"])
+        seen["deflection"] = options["deflection"] = (named if chosen.deflection is None else chosen.deflection) or None
+        read = read_measurement(scene, block, **options)
     x = np.concatenate([each.x for each in read.segments])
     main = "A" if read.kind.startswith("area") else next(iter(read.segments[0].values))
     y = np.concatenate([each.values[main] for each in read.segments])
