@@ -6,6 +6,7 @@ tables                         the text: its block of numbers, the columns, the 
 units                          lengths, forces and times
 columns                        which column is what, by name or as given; else a refusal that shows the table
 smoothing, instruments         the Gaussian filter; surfaces in the files of instruments
+force_curves                   force curves in the files of microscopes
 profile                        a surface: x and z, made periodic
 noise, comparison              noise and slips of a curve; a curve beside that of a run
 recording, measurement         a curve in segments; one stroke of friction with its noise

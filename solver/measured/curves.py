@@ -12,9 +12,10 @@ from ..scene import Scene
 from ..surfaces import DataError
 from ..text import counted
 from .columns import Given, asked, called, checked, for_user, given, not_used, plain, recognised
+from .force_curves import read_block
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
-from .tables import SHOWN, Block, Source, Table, listed, read_table
+from .tables import SHOWN, Block, Source, Table, listed
 from .units import (
     LENGTHS,
     NEWTONS,
@@ -130,7 +131,7 @@ def read_measurement(
     try:
         if kind is not None and kind not in KINDS:
             raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
-        block = source if isinstance(source, Block) else read_table(source, NEEDED, channel)
+        block = source if isinstance(source, Block) else read_block(source, NEEDED, channel)
         return _Reader(scene, block, how).read()
     except DataError as error:
         raise for_user(error, "read_measurement(scene, ", source, vars(how)) from None

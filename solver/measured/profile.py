@@ -13,6 +13,7 @@ from ..scene import LIMITS
 from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, PERIOD, STEEPEST, DataError, Profile, averaged
 from ..text import counted
 from .columns import Given, asked, checked, for_user, given, not_used, plain, recognised
+from .force_curves import is_force_curve
 from .instruments import is_instruments, read_line
 from .smoothing import least_cut_off, smoothed
 from .tables import SHOWN, Block, Source, content_of, listed, read_table
@@ -183,6 +184,8 @@ def _points(source, how):
         return _of_table(source, how)
     content = content_of(source)
     raw = content.replace("\0", "?").encode(errors="replace") if isinstance(content, str) else content
+    if is_force_curve(raw):
+        raise DataError("this is a force curve, no surface; read it as a curve, by read_measurement")
     if is_instruments(raw):
         return _of_instrument(raw, how)
     if how.line is not None:

@@ -142,7 +142,7 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     above = tuple(line for line in raw[: rows[0]] if line.strip())
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
     units, heading = _heading(above, layout, (filled, width))
-    columns = tuple(Column(*both, *_range(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
+    columns = tuple(Column(*both, *range_of(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
     kept = [k for k in range(width) if heading[k] or k < filled]
     first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
     table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
@@ -291,10 +291,10 @@ def _cells(texts, layout, width, rows):
     return cells
 
 
-def _range(cells):
+def range_of(cells: NDArray[Any]) -> tuple[float, float]:
     """(least, largest) finite number of a column; nan without any."""
-    known = cells[np.isfinite(cells)] if cells.dtype != object else []
-    return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
+    known = cells[np.isfinite(cells)] if cells.dtype != object else np.zeros(0)
+    return (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
 
 
 def _heading(above, layout, sizes):

@@ -13,9 +13,10 @@ from solver.measured import curves, profile
 from solver.measured.columns import recognised
 from solver.measured.comparison import NoStage, compared, unit_in
 from solver.measured.curves import MEANT, SURE, quantity_of, read_measurement
+from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
 from solver.measured.recording import KINDS as OVER
-from solver.measured.tables import SHOWN, Block, Table, read_table
+from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import units_above
 from solver.run.frame import Stage
 from solver.surfaces import FEWEST_POINTS
@@ -91,10 +92,10 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
     seen: dict[str, Any] = {"kinds": KINDS, "kind": chosen.kind, "says": "", "why": "", "fields": {}}
     try:
         with worker.bounded_memory(MEMORY):
-            if is_instruments(content):
+            if is_instruments(content) and not is_force_curve(content):
                 seen |= {"kind": SURFACE, "kinds": {SURFACE: KINDS[SURFACE]}, "fields": LINE | CUT_OFF}
                 return seen, _surface(scene, content, None, chosen, seen)
-            block = read_table(content, NEEDED, chosen.channel)
+            block = read_block(content, NEEDED, chosen.channel)
             return seen, _of_table(scene, block, chosen, seen)
     except DataError as error:
         other = KINDS.get(f"{error.call.get('kind')}", "")  # which the reader is certain of

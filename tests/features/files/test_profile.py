@@ -58,7 +58,7 @@ def test_an_uploaded_text_is_never_taken_for_the_name_of_a_file(tmp_path):
 def test_a_file_that_fills_the_memory_is_refused_by_a_worker_that_lives(monkeypatch):
     if not sys.platform.startswith("linux"):
         pytest.skip("the memory of a process is bounded on Linux only")
-    monkeypatch.setattr(tasks, "read_table", lambda *how: np.empty(2 * tasks.MEMORY // 8))
+    monkeypatch.setattr(tasks, "read_block", lambda *how: np.empty(2 * tasks.MEMORY // 8))
     seen, found = tasks.look(SHORT, b"1,2", tasks.Chosen())
     assert found is None and "takes too much memory" in seen["why"]
     assert np.empty(2 * tasks.MEMORY // 8).size  # the bound is gone
