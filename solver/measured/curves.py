@@ -12,10 +12,11 @@ from ..scene import Scene
 from ..surfaces import DataError
 from ..text import counted
 from .columns import Given, asked, called, checked, for_user, given, not_used, plain, recognised
+from .content import Source
 from .force_curves import read_block
 from .measurement import Measurement
 from .recording import FEWEST, Recording, Segment, parts_of
-from .tables import SHOWN, Block, Source, Table, listed
+from .tables import SHOWN, Block, Table, listed
 from .units import (
     LENGTHS,
     NEWTONS,

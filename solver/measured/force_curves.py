@@ -6,15 +6,15 @@ It is imported only for such a file, and needs `pip install "mixed-mode-contact[
 import logging
 import struct
 import warnings
-from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from ..surfaces import DataError
+from .content import Source, content_of
 from .instruments import INSTALL, is_instruments
-from .tables import FIRST, Block, Column, Source, Table, content_of, numbered, range_of, read_table
+from .tables import FIRST, Block, Column, Table, numbered, range_of, table_in
 
 FORMATS = {  # what the beginning and words of a file tell: how the name of such a file ends
     ".jpk-force": (b"PK", b"segments/", b"header.properties"),
@@ -30,18 +30,16 @@ ANOTHER = (
 def read_block(source: Source, needed: str, channel: str | int | None = None) -> Block:
     """The Block of a force curve, or of a table in text as `read_table` finds it; raises DataError."""
     content = content_of(source)
-    if isinstance(content, str):  # without a line break it would be a path
-        return read_table(StringIO(content), needed, channel)
     if is_force_curve(content):
         return _of_microscope(content, channel)
     if is_instruments(content):
         raise DataError(ANOTHER)
-    return read_table(content, needed, channel)
+    return table_in(content, needed, channel)
 
 
-def is_force_curve(content: bytes) -> bool:
+def is_force_curve(content: str | bytes) -> bool:
     """Whether a file holds force curves in one of FORMATS."""
-    return _ending(content) is not None
+    return isinstance(content, bytes) and _ending(content) is not None
 
 
 def _ending(content):

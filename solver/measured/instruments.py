@@ -16,6 +16,7 @@ from .tables import numbered
 from .units import agreed, factor, is_unit
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
+BEGIN = 500  # characters that have the known beginning of a text
 MISSING = 1e9  # nm: heights beyond are marks of missing points
 BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: .*\r?\n# Width: |\\\*File list")  # of files in text
 UNREAD = (  # what a file is that the library cannot read: a test of its content, and what to do
@@ -25,8 +26,10 @@ UNREAD = (  # what a file is that the library cannot read: a test of its content
 LINE = re.compile(r"(row|column) (\d{1,6})")
 
 
-def is_instruments(content: bytes) -> bool:
+def is_instruments(content: str | bytes) -> bool:
     """Whether a file is no table of numbers in text: it has null bytes but no mark of UTF-16, or a known beginning."""
+    if isinstance(content, str):
+        return bool(BEGINNINGS.match(content[:BEGIN].encode(errors="replace")))
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return False
     return b"\0" in content or bool(BEGINNINGS.match(content)) or any(test(content) for test, _ in UNREAD)

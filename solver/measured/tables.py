@@ -1,37 +1,24 @@
 """Tables in text files: the block of numbers, its columns with names and units, and the lines above it."""
 
-import csv
 import re
 from collections.abc import Sequence
 from io import StringIO
-from os import PathLike
-from pathlib import Path
-from typing import Any, NamedTuple, TextIO
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .units import named_unit, parted, plain_unit
+from .content import Source, content_of, text_of
+from .headings import LABEL, heading_of
 
-Source = str | bytes | PathLike[str] | TextIO
-MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
 MOST_COLUMNS = 100
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
 MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
-OTHERS = {  # what a file is that begins so, and holds no measurement
-    "a picture, whose heights are lost; export them as CSV": (b"\x89PNG\r\n", b"\xff\xd8\xff", b"GIF8", b"RIFF"),
-    "a PDF; export its numbers as CSV": (b"%PDF-",),
-    "an archive; unpack it": (b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!", b"BZh", b"\xfd7zXZ"),
-    "a program; choose a file of a measurement": (b"\x7fELF", b"MZ\x90", b"\xcf\xfa\xed\xfe"),
-}
 SHOWN = 40  # characters of a cell in a message
 FIRST = 5  # rows that a refusal shows
 SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
 LONGEST = 8  # rows of a table that counts beside another one
-LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
-COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
-BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
 DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
 FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
 
@@ -128,7 +115,12 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
     Returns a Block. Raises DataError.
     """
-    raw = _lines(_text(source))
+    return table_in(content_of(source), needed, channel)
+
+
+def table_in(content: str | bytes, needed: str, channel: str | int | None = None) -> Block:
+    """As `read_table`, of the content of a file."""
+    raw = _lines(text_of(content))
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
     layout = _layout(lines)
     if layout is None:
@@ -141,7 +133,7 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     cells = _cells([lines[k] for k in rows], layout, width, rows)
     above = tuple(line for line in raw[: rows[0]] if line.strip())
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
-    units, heading = _heading(above, layout, (filled, width))
+    units, heading = heading_of(above, layout.separator, (filled, width))
     columns = tuple(Column(*both, *range_of(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
     kept = [k for k in range(width) if heading[k] or k < filled]
     first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
@@ -297,61 +289,6 @@ def range_of(cells: NDArray[Any]) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
 
 
-def _heading(above, layout, sizes):
-    """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
-    labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
-    named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
-    near = _near(above, layout, sizes) if named is None else []
-    unit_row = next((k for k, cells in enumerate(near) if _are_units(cells)), None)
-    if unit_row is not None:  # names stand above it, with comments below, or else below it
-        units = [plain_unit(cell.strip(BRACKETS)) for cell in near.pop(unit_row)]
-        near = near[unit_row:] or near
-    both = [parted(cell) for cell in named or (near[0] if near else [""] * sizes[1])]
-    below = units or [""] * sizes[1]
-    # two units of one column make one that is not known, and is asked for
-    each = [
-        " or ".join(dict.fromkeys(filter(None, pair))) for pair in zip((own for _, own in both), below, strict=True)
-    ]
-    return [unit or None for unit in each], [name for name, _ in both]
-
-
-def _near(above, layout, sizes):
-    """[cells] of the lines next to the first row that have words in each column, the lowest first."""
-    near = []
-    for line in [line for line in reversed(above) if re.search(r"[^\W\d_]", line)][:3]:
-        cells = _split(line.strip(COMMENT), layout, sizes)
-        if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
-            break
-        near.append(cells)
-    return near
-
-
-def _are_units(cells):
-    """Whether more than half of the cells are units; others may be such as mm/sec."""
-    filled = [cell for cell in cells if cell]
-    return 2 * sum(named_unit(cell) or cell[0] in BRACKETS for cell in filled) > len(filled)
-
-
-def _split(line, layout, sizes):
-    """The cells of a heading, cut by the separator of the rows or by another one into as many; None if it has more.
-
-    sizes: numbers of columns without and with the empty ones at their end.
-    """
-    filled, width = sizes
-    if not line or len(line) > 200 * width:
-        return None
-    marks = dict.fromkeys((layout.separator or "\t", ";", "\t", ","))
-    quoted = [next(csv.reader([line], delimiter=mark, skipinitialspace=True)) for mark in marks]
-    blanks = [] if re.search("[;\t]", line) else BLANKS.findall(line)
-    for cells in (*quoted, re.split(" {2,}", line), blanks):
-        cells = [" ".join(cell.split()).strip(' "') for cell in cells]
-        while len(cells) > filled and not cells[-1]:
-            cells.pop()
-        if filled <= len(cells) <= width and any(cells):
-            return [*cells, *[""] * (width - len(cells))]
-    return None
-
-
 def _with_segments(block, names, ranges, chosen, begun):
     """The Block with a column `segment` where lines between its tables name them."""
     if not all(names[k] for k in chosen) or len(chosen) < 2:
@@ -369,50 +306,3 @@ def numbered(names: Sequence[str]) -> dict[str, str]:
 def listed(items: Sequence) -> str:
     """The first three of some items, as text."""
     return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)
-
-
-def content_of(source: Source) -> str | bytes:
-    """The content of a file, a path, or the content itself; raises DataError, also for more than MOST_BYTES."""
-    if isinstance(source, PathLike) or (isinstance(source, str) and not re.search("[\r\n]", source)):
-        content = _content(source)
-    else:
-        content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
-    if isinstance(content, bytes):
-        for what, beginnings in OTHERS.items():
-            if content.startswith(beginnings):
-                raise DataError(f"this is {what}")
-        if not content.strip(b"\0"):
-            raise DataError("this is an empty file; choose another one")
-    return content
-
-
-def _text(source):
-    """The content as text, with plain line breaks; raises DataError where it is not text."""
-    content = content_of(source)
-    if not isinstance(content, str):
-        raw = bytes(content)
-        try:
-            content = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8")
-        except UnicodeDecodeError:  # of an older instrument: in Latin-1 every byte is a character
-            content = bytes(content).decode("latin-1")
-    content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
-    if binary := re.search("[\0\ufffd]", content):
-        raise DataError("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)
-    return content
-
-
-def _content(path):
-    """The bytes of a file, at most one more than allowed."""
-    shown = repr(str(path)[: 3 * SHOWN])
-    try:
-        if not Path(path).is_file():  # a pipe or a device may never end
-            raise DataError(f"{shown} is not a file; name a CSV file, or give its lines")
-        with open(path, "rb") as file:
-            return file.read(MOST_BYTES + 1)
-    except (OSError, ValueError) as failure:  # ValueError: a null character in the name
-        if isinstance(failure, DataError):
-            raise
-        reason = getattr(failure, "strerror", None) or failure
-        raise DataError(f"{shown}: {reason}; name a CSV file that can be read") from None

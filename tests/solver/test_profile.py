@@ -10,8 +10,8 @@ import pytest
 
 from solver import DataError, Profile, Scene, SceneError, load_path, read_profile, simulate
 from solver.analysis.peeling import edges
-from solver.measured.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
-from solver.measured.tables import MOST_BYTES
+from solver.measured.content import MOST_BYTES
+from solver.measured.periodic import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
 from solver.surfaces import LENGTHS
 from solver.text import number_from_text
@@ -249,7 +249,7 @@ def test_ends_too_far_apart_to_be_joined_are_refused():
     z = np.where(X < 600.0, 0.0, 0.28 * (X - 600.0))
     z[:60] -= 0.28 * (X[60] - X[:60])
     with pytest.raises(
-        DataError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3; .* cut-off"
+        DataError, match=r"its ends, .* nm apart, joined over 32 nm .* slope .* allowed: up to 0\.3; .* cut-off"
     ):
         read_profile(table(X, z))
     assert STEEPEST == 0.3

@@ -16,7 +16,7 @@ from app.session.controls import refuse_large
 from app.session.orders import order
 from app.session.run import Request
 from solver import DataError, Profile, Scene, SceneError
-from solver.measured.tables import MOST_BYTES
+from solver.measured.content import MOST_BYTES
 
 Kept = tuple[bytes, dict[str, Any]]  # content of a file, and the arguments of `read_measurement` that read it
 SLOW = 3 * READING  # s for a file of MOST_BYTES, which is read three times

@@ -15,6 +15,7 @@ from solver.measured.comparison import NoStage, compared, unit_in
 from solver.measured.curves import MEANT, SURE, quantity_of, read_measurement
 from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
+from solver.measured.periodic import LONG, PART
 from solver.measured.recording import KINDS as OVER
 from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import units_above
@@ -226,9 +227,9 @@ def _surface(scene, source, columns, chosen, seen):
 def _middle(x):
     """The part of a profile that is proposed: of a long one that in the middle, which nodes resolve."""
     length = x[-1]
-    if length <= profile.LONG:
+    if length <= LONG:
         return 0.0, 1.0
-    half = 0.5 * min(length, max(profile.PART, 2 * FEWEST_POINTS * length / (x.size - 1))) / length
+    half = 0.5 * min(length, max(PART, 2 * FEWEST_POINTS * length / (x.size - 1))) / length
     return 0.5 - half, 0.5 + half
 
 
