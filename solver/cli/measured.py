@@ -37,8 +37,8 @@ def add_curve(parser: argparse.ArgumentParser) -> None:
 
 def profile_of(file: str, width: float | None, arguments: Mapping[str, Any]) -> Profile:
     """The Profile in a file, read as the arguments say; raises InputError in words of the command line."""
-    from ..measured.curves import ROLES  # only measured files need it
     from ..measured.profile import read_profile
+    from ..measured.roles import ROLES  # only measured files need it
 
     beside = "measured" in arguments
     given = _given(arguments, {*OF_CURVES, *(SHARED if beside else ())}, ROLES if beside else ())

@@ -42,7 +42,7 @@ def text_of(content: str | bytes) -> str:
         try:
             content = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8")
         except UnicodeDecodeError:  # of an older instrument: in Latin-1 every byte is a character
-            content = bytes(content).decode("latin-1")
+            content = raw.decode("latin-1")
     content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     if binary := re.search("[\0\ufffd]", content):
         raise DataError("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)

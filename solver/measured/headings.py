@@ -11,9 +11,7 @@ COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
 BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
 
 
-def heading_of(
-    above: Sequence[str], separator: str, sizes: tuple[int, int]
-) -> tuple[list[str | None], list[str]]:
+def heading_of(above: Sequence[str], separator: str, sizes: tuple[int, int]) -> tuple[list[str | None], list[str]]:
     """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
     labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
     named, units = (_split(labels.get(word, ""), separator, sizes) for word in ("columns", "units"))

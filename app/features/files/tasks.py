@@ -9,14 +9,16 @@ import numpy as np
 from app.service import worker
 from app.service.tasks import MEMORY
 from solver import DataError, Profile, Scene, read_profile
-from solver.measured import curves, profile
+from solver.measured import profile
 from solver.measured.columns import recognised
 from solver.measured.comparison import NoStage, compared, unit_in
-from solver.measured.curves import MEANT, SURE, quantity_of, read_measurement
+from solver.measured.curves import read_measurement
 from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
 from solver.measured.periodic import LONG, PART
 from solver.measured.recording import KINDS as OVER
+from solver.measured.roles import MEANT, NAMED, SURE, quantity_of
+from solver.measured.said import lever_in
 from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import units_above
 from solver.run.frame import Stage
@@ -140,7 +142,7 @@ def _of_table(scene, block, chosen, seen):
 
 def _kind(table, columns):
     """The kind of a table, where names or the chosen columns {role: index} tell it for certain; else ""."""
-    surface, curve = recognised(table, profile.NAMED)[0], recognised(table, curves.NAMED)[0]
+    surface, curve = recognised(table, profile.NAMED)[0], recognised(table, NAMED)[0]
     if columns:
         chosen = [kind for kind, sides in SIDES.items() if kind and all(set(side) & columns.keys() for side in sides)]
         return chosen[0] if chosen else ""
@@ -158,7 +160,7 @@ def _columns(table, kind):
         known = known or ({"z": 0} if kind and len(table.columns) == 1 else {})
         z = known.get("z", known.get("y"))
         return {role: k for role, k in (("x", known.get("x")), ("z", z)) if k is not None}
-    known, found = recognised(table, curves.NAMED)[0], {}
+    known, found = recognised(table, NAMED)[0], {}
     kind = "friction" if kind == "loop" else kind
     for side in MEANT[kind]:
         role = next((role for role in side if role in known), None)
@@ -240,7 +242,7 @@ def _curve(scene, block, columns, chosen, seen):
     options |= {"channel": chosen.channel, "sign": chosen.sign, "units": {}}
     seen["fields"] = {"speed": "speed (nm/s)"} if "time" in columns else {}
     if chosen.columns:
-        bars = recognised(block.table, curves.NAMED)[0]
+        bars = recognised(block.table, NAMED)[0]
         named = {f"{role}_bar" if bars.get(f"{role}_bar") == k else role: k for role, k in columns.items()}
         options["columns"] = dict.fromkeys(("U_x", "time", "F", "L", "A")) | {name: k + 1 for name, k in named.items()}
     options["units"] = {role: unit for role, unit in chosen.units.items() if role in columns}
@@ -252,7 +254,7 @@ def _curve(scene, block, columns, chosen, seen):
         raise
     if read.kind == "load" and read.units["L"] == "N":
         seen["fields"] = {"deflection": "stiffness of the lever (N/m), to take its deflection off δ"}
-        named = curves.lever_in(block.table, columns["delta"])
+        named = lever_in(block.table, columns["delta"])
         seen["deflection"] = options["deflection"] = (named if chosen.deflection is None else chosen.deflection) or None
         read = read_measurement(scene, block, **options)
     x = np.concatenate([each.x for each in read.segments])
