@@ -147,21 +147,27 @@ def _cut(points, width, part):
         return _between(points, start, end), [f"Of {points.length:.6g} nm those from {start:g} to {end:g} nm are used."]
     if width is not None:
         return _middle(points, float(width))
-    if points.length <= LONG:
+    start, end = proposed(points)
+    if end - start >= points.length:
         return points, []
-    enough = 2 * FEWEST_POINTS * points.apart
-    if enough > LONG:
-        raise _too_far_apart(points, enough)
-    used, notes = _middle(points, max(PART, enough))
+    if end - start > LONG:
+        raise _too_far_apart(points, (round(start), int(end)))
     spacing = points.length / MOST_POINTS
     why = f"all of it would give nodes at least {spacing:.3g} nm apart, which is the lattice period"
-    return used, [f"{notes[0].rstrip('.')}: {why}; choose another by part."]
+    used = f"Of {points.length:.6g} nm the {end - start:g} nm in the middle are used"
+    return _between(points, start, end), [f"{used}: {why}; choose another by part."]
 
 
-def _too_far_apart(points, enough):
-    """The DataError for points of which LONG has too few; it names a part of the length `enough`, nm."""
-    middle = 0.5 * points.length
-    part = (round(max(0.0, middle - 0.5 * enough)), int(min(points.length, middle + 0.5 * enough)))
+def proposed(points: Points) -> tuple[float, float]:
+    """The part that is proposed, nm from the first point: all, or of a long profile the middle with enough points."""
+    size = points.length
+    if size > LONG:
+        size = min(size, max(PART, 2 * FEWEST_POINTS * points.apart))
+    return 0.5 * (points.length - size), 0.5 * (points.length + size)
+
+
+def _too_far_apart(points, part):
+    """The DataError for points of which LONG has too few; it names a part that has enough."""
     with suppress(SteepError):  # which names a cut-off once the part is given
         _made(_between(points, *part), None, None, None, [])
     why = f"its points are {points.apart:.4g} nm apart: {LONG:g} nm, the most that is taken by itself, hold too few"

@@ -66,7 +66,7 @@ def read_profile(
     for rows at equal distances. units: {"x": "um", "z": "nm"}, also "0.5 um", which is the distance of rows that are
     counted; unit: one for both. The file's own units need none.
     width: use only the middle part of this width, nm. part: use only that from .. to, nm from the first point. Of more
-    than LONG the middle PART is used, unless width or part is given.
+    than 20 um the middle 2 um are used, unless width or part is given.
     periodic: whether the points are one period, with or without its first point repeated at the end; by default that is
     so where the ends meet in height and slope. line: "row 12" or "column 12" of a map of heights; by default the row
     through its highest point. channel: the name or number of one of several channels or tables.

@@ -87,8 +87,9 @@ class Roles:
         """
         kind, self.role = self._kind(sliding)
         self.of = {name: self.known[role] for name, role in self.role.items()}
-        if self.own.get(self.of.get("delta")) in ("height", "gap", "position"):  # one that is named delta, too
-            self.role["delta"] = self.own[self.of["delta"]]
+        heading = self.heading("delta") if "delta" in self.of else None
+        if heading in ("height", "gap", "position"):  # also one that an argument calls delta
+            self.role["delta"] = heading
         self.over = next(iter(self.of))
         self.scaled = {name: scaled for name in self.of if (scaled := self._unit(name))}
         if missing := [name for name in list(self.of)[:2] if name not in self.scaled]:

@@ -1,28 +1,24 @@
-"""Reads the file of a visitor as it is chosen, and compares a measured curve with a run, for workers."""
+"""Reads the file of a visitor as it is chosen, for workers."""
 
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from app.features.files.comparing import Curve, curve_of, rounded
 from app.service import worker
 from app.service.tasks import MEMORY
 from solver import DataError, Profile, Scene, read_profile
 from solver.measured import profile
 from solver.measured.columns import recognised
-from solver.measured.comparison import NoStage, compared, unit_in
 from solver.measured.curves import read_measurement
 from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
-from solver.measured.periodic import LONG, PART
-from solver.measured.recording import KINDS as OVER
+from solver.measured.periodic import proposed
 from solver.measured.roles import MEANT, NAMED, SURE, quantity_of
 from solver.measured.said import lever_in
 from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import units_above
-from solver.run.frame import Stage
-from solver.surfaces import FEWEST_POINTS
 
 NEEDED = "columns of numbers: x and z of a surface, or two quantities of a curve"
 SURFACE = "surface"
@@ -41,14 +37,12 @@ LENGTH, FORCE = ("nm", "um", "mm", "m", "Å", "in"), ("N/m", "mN/mm", "N", "mN",
 UNITS: dict[str, tuple[str, ...]] = dict.fromkeys(("x", "z", "U_x", "delta"), LENGTH) | dict.fromkeys("FL", FORCE)
 UNITS |= {"A": (*LENGTH, "A_0"), "time": ("s", "ms", "min", "h")}
 ROLES = tuple(UNITS)
-DRAWN, LAID, COMPARED = 400, 500, 5000  # points of a drawing; of a curve that the page draws; that are compared
-FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
+DRAWN = 400  # points of a drawing
 FAR = 60.0  # nm: of a longer load, which no run covers, the part from the contact on is proposed
 LEFT, STEADY = 6.0, 5  # scatters by which a load has left its line, for so many points
 CUT_OFF = {"cut_off": "remove waves shorter than (nm)"}
 SPACING = {"spacing": "distance of the rows, such as 0.5 um, where no column is x"}
 LINE = {"line": "line of a map, such as row 12 or column 12"}
-COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  # of a run, as the page sends them
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,20 +64,6 @@ class Chosen:
     deflection: float | None = None
     line: str | None = None
     spacing: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """A measured curve to be compared; attributes as of a Recording. options: arguments that read it from its file."""
-
-    kind: str
-    over: str
-    segments: tuple[Any, ...]
-    units: dict[str, str]
-    free: bool
-    virgin: bool
-    notes: tuple[str, ...]
-    options: dict[str, Any]
 
 
 def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], Profile | Curve | None]:
@@ -201,10 +181,6 @@ def _drawn(x, y, unit):
     return {"x": x[::every].tolist(), "y": y[::every].tolist()} | extent
 
 
-def _rounded(value, digits=3):
-    return f"{float(f'{value:.{digits}g}'):,.10g}"
-
-
 def _surface(scene, source, columns, chosen, seen):
     """The Profile of a Block, or of the content of an instrument's file."""
     how = {"unit": chosen.units.get("x"), "channel": chosen.channel, "line": chosen.line}
@@ -214,25 +190,16 @@ def _surface(scene, source, columns, chosen, seen):
         how["units"] |= {"x": chosen.spacing} if "x" not in columns else {}
     trace = profile.read_trace(source, **how)
     x = trace.x - trace.x[0]
-    part = chosen.part or _middle(x)
+    part = chosen.part or tuple(at / x[-1] for at in proposed(trace))
     seen |= {"drawn": _drawn(x, trace.z, "nm"), "part": part, "fields": seen["fields"] | CUT_OFF}
     within = None if part == (0.0, 1.0) else (part[0] * x[-1], part[1] * x[-1])
     made = read_profile(source, part=within, cut_off=chosen.cut_off, **how)
-    used, apart = f" of {_rounded(x[-1], 4)} nm" if within else "", _rounded(made.length / scene.nodes)
+    used, apart = f" of {rounded(x[-1], 4)} nm" if within else "", rounded(made.length / scene.nodes)
     seen["says"] = (
-        f"{_rounded(made.length, 4)} nm{used} long, {_rounded(np.ptp(made.z))} nm high, {made.z.size:,} points; "
+        f"{rounded(made.length, 4)} nm{used} long, {rounded(np.ptp(made.z))} nm high, {made.z.size:,} points; "
         f"{scene.nodes:,} nodes lie {apart} nm apart, which is the lattice period"
     )
     return made
-
-
-def _middle(x):
-    """The part of a profile that is proposed: of a long one that in the middle, which nodes resolve."""
-    length = x[-1]
-    if length <= LONG:
-        return 0.0, 1.0
-    half = 0.5 * min(length, max(PART, 2 * FEWEST_POINTS * length / (x.size - 1))) / length
-    return 0.5 - half, 0.5 + half
 
 
 def _curve(scene, block, columns, chosen, seen):
@@ -265,12 +232,12 @@ def _curve(scene, block, columns, chosen, seen):
     unit = read.units[read.over]
     seen |= {"kind": next(kind for kind in (read.kind, "area") if kind in KINDS), "drawn": _drawn(x, y, unit)}
     seen |= {"part": part}
-    text = f"{SAID.get(read.kind, read.kind)}, {_rounded(high - low)} {unit}"
+    text = f"{SAID.get(read.kind, read.kind)}, {rounded(high - low)} {unit}"
     if part != (0.0, 1.0):
         options["part"] = tuple(low + at * (high - low) for at in part)
         read = read_measurement(scene, block, **options)
-        text += f", {_rounded((part[1] - part[0]) * (high - low))} {unit} of it used"
-    made = _made(read, {name: value for name, value in options.items() if value})
+        text += f", {rounded((part[1] - part[0]) * (high - low))} {unit} of it used"
+    made = curve_of(read, {name: value for name, value in options.items() if value})
     seen["says"] = f"{text}, {sum(each.x.size for each in read.segments):,} points"
     return made
 
@@ -289,83 +256,3 @@ def _from_contact(read, x):
     k = int(np.argmax(steady)) if steady.any() else 0
     low = max(0.0, float((far[k] - x.min()) / span) - 0.005)
     return (0.0, 1.0) if low > 0.98 else (low, 1.0)
-
-
-def _made(read, options):
-    """The Curve of a Measurement or Recording, thinned out to what is compared, without holds."""
-    moving = [each for each in read.segments if each.name != "hold"]
-    largest = max(float(np.abs(y).max()) for each in moving for y in (each.x, *each.values.values()))
-    if largest > FARTHEST:
-        raise DataError(f"a number of {largest:.3g}; allowed: {FARTHEST:g} nm, N or N/m at most; check the units")
-    every = 1 + sum(each.x.size for each in moving) // COMPARED
-    thin = lambda y: y[::every]  # noqa: E731
-    segments = tuple(
-        each._replace(x=thin(each.x), values={name: thin(y) for name, y in each.values.items()}) for each in moving
-    )
-    units = {name: read.units[name] for name in (OVER[read.kind], *segments[0].values)}
-    return Curve(read.kind, OVER[read.kind], segments, units, read.free, read.virgin, read.notes, options)
-
-
-def shown(curve: Curve) -> dict[str, Any]:
-    """Return a Curve as the page draws it."""
-    every = 1 + sum(each.x.size for each in curve.segments) // LAID
-    segments = [
-        {name: y[::every].tolist() for name, y in ({"x": each.x} | each.values).items()} for each in curve.segments
-    ]
-    made = {"kind": curve.kind, "over": curve.over, "units": curve.units, "segments": segments}
-    return made | {"notes": " ".join(curve.notes)}
-
-
-def _run(content, stages, force, width):
-    """What a Curve is compared with, from the curves of a run; raises ValueError, LookupError or ArithmeticError."""
-    rows = np.frombuffer(content, "<f4").reshape(len(COLUMNS), -1).astype(float).tolist()
-    names, (slips, at, F_slip) = [Stage(stages[int(k)].split(" ")[-1]) for k in rows[0]], rows[6:]
-    frames = [
-        SimpleNamespace(stage=stage, U_x=U_x, delta=delta, F=F, L=L, A=A)
-        for stage, U_x, delta, F, L, A in zip(names, *rows[1:6], strict=True)
-    ]
-    first = next((k for k, stage in enumerate(names) if stage.moves == "U_x" and slips[k]), None)
-    slip = None if first is None else SimpleNamespace(U_s=at[first], F_s=F_slip[first])
-    return SimpleNamespace(scene=SimpleNamespace(width=width, E=force / width), frames=frames, first_slip=slip)
-
-
-def _own_range(curve, run, error):
-    """Why a Curve and a run cannot be compared: one is longer; else the reason of the error."""
-    here, there = (
-        float(np.ptp(values))
-        for values in (
-            np.concatenate([each.x for each in curve.segments]),
-            [getattr(frame, curve.over) for frame in run.frames],
-        )
-    )
-    if curve.over in "FL" or here <= there:
-        return f"{error}".partition(";")[0]
-    return f"{_rounded(here)} nm here, {_rounded(there)} nm in the run"
-
-
-def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float, width: float) -> dict[str, Any]:
-    """Return how far a Curve and a run are apart, and {quantity: [factor, zero]} that bring it into the run's units.
-
-    content: COLUMNS of a run, float32; stages: their names; force: w E, N/m; width: w, nm. `why`: what keeps them from
-    being compared, and `path`: a kind of path whose runs can be.
-    """
-    try:
-        run = _run(content, stages, force, width)
-    except (ValueError, LookupError, ArithmeticError):
-        return {"why": "the run did not arrive whole; load the page again"}
-    points = sum(each.x.size for each in curve.segments)
-    try:
-        found = compared(curve, run)
-    except NoStage as error:
-        return {"path": error.path}
-    except ValueError as error:
-        return {"why": f"{_own_range(curve, run, error)}, so it is drawn in its own range"}
-    scaled = [name for name, unit in curve.units.items() if unit == "N"]
-    units = {name: unit_in(unit, run) for name, unit in curve.units.items()}
-    set_to = {name: [units[name], 0.0] for name in curve.units}
-    set_to |= {name: [found.scale, found.zero] for name in scaled}
-    if found.shift:
-        set_to[curve.over] = [1.0, found.shift]
-    at = [row[1] for row in found.rows]
-    made = {"set": set_to, "outside": found.outside, "points": points, "rms": found.rms, "noise": found.noise}
-    return made | {"units": found.units, "low": min(at), "high": max(at)}

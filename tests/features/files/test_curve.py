@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from app.features.files.comparing import COLUMNS, LAID, compare, shown
 from app.features.files.feature import kept
-from app.features.files.tasks import COLUMNS, LAID, Chosen, compare, look, shown
+from app.features.files.tasks import Chosen, look
 from solver import Scene, simulate
 from solver.measured.curves import read_measurement
 
