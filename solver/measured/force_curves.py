@@ -14,7 +14,7 @@ import numpy as np
 from ..surfaces import DataError
 from .content import Source, content_of
 from .instruments import INSTALL, is_instruments
-from .tables import FIRST, Block, Column, Table, numbered, range_of, table_in
+from .tables import FIRST, Block, Column, Table, index_of, range_of, table_in
 
 FORMATS = {  # what the beginning and words of a file tell: how the name of such a file ends
     ".jpk-force": (b"PK", b"segments/", b"header.properties"),
@@ -66,25 +66,14 @@ def _of_microscope(content, channel):
         path.write_bytes(content)
         try:
             curves = afmformats.load_data(path)
-            return _block(curves, _index(len(curves), channel))
+            names = [f"curve {k}" for k in range(1, len(curves) + 1)]
+            return _block(curves, index_of(names, channel, "force curves"))
         except DataError:
             raise
         except (Exception, afmformats.errors.MissingMetaDataError) as error:  # the latter is no Exception
             reason = " ".join(f"{error}".split())[:120]
             why = 'export columns of it as text, and say what 1 V is, as in units={"L": "500 nN"}'
             raise DataError(f"no force in N can be read ({reason}); {why}") from None
-
-
-def _index(count, channel):
-    """The index of the curve that is asked for; of several one must be."""
-    if channel is None and count == 1:
-        return 0
-    if channel is None:
-        names = numbered([f"curve {k}" for k in range(1, count + 1)])
-        raise DataError(f"{count} force curves", call={"channel": ...}, choices=names)
-    if not str(channel).isdigit() or not 0 < int(channel) <= count:
-        raise DataError(f"channel = {channel!r}: allowed: 1 .. {count}, the number of a curve; give one of these")
-    return int(channel) - 1
 
 
 def _block(curves, index):

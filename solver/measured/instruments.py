@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .tables import numbered
+from .tables import index_of
 from .units import agreed, factor, is_unit
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
@@ -86,17 +86,9 @@ def read_line(
 def _channel(reader: Any, wanted: str | int | None) -> int:
     """The index of a channel, by its name or number; of several one is asked for."""
     names = [channel.name or f"channel {k}" for k, channel in enumerate(reader.channels, 1)]
-    if wanted is None and len(names) == 1:
-        return 0
     if not names:
         raise DataError("the file holds no heights; export it as CSV of x and z")
-    listed = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
-    if wanted is None:
-        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=numbered(names))
-    at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
-    if not 0 <= at < len(names):
-        raise DataError(f"channel = {wanted!r}: allowed: {listed}; give one of these")
-    return at
+    return index_of(names, wanted, "channels")
 
 
 def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:

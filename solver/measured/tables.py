@@ -303,6 +303,18 @@ def numbered(names: Sequence[str]) -> dict[str, str]:
     return {f"{k}": name for k, name in enumerate(names, 1)}
 
 
+def index_of(names: Sequence[str], channel: str | int | None, what: str) -> int:
+    """The index of the channel that is asked for, by its name or number from 1 on; of several one must be."""
+    shown = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
+    if channel is None and len(names) > 1:
+        raise DataError(f"{len(names)} {what}: {shown}", call={"channel": ...}, choices=numbered(names))
+    wanted = 1 if channel is None else channel
+    at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
+    if not 0 <= at < len(names):
+        raise DataError(f"channel = {channel!r}: allowed: {shown}; give one of these")
+    return at
+
+
 def listed(items: Sequence) -> str:
     """The first three of some items, as text."""
     return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)

@@ -23,25 +23,8 @@ NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9,
 }
 PER_WIDTH = UNITS["N/m"]
 SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-OTHERS = (
-    "V",
-    "mV",
-    "volt",
-    "volts",
-    "ft",
-    "pm",
-    "px",
-    "pixel",
-    "pixels",
-    "deg",
-    "%",
-    "Nm",
-    "Pa",
-    "kPa",
-    "MPa",
-    "F_s",
-    "A_0",
-)
+VOLTS = ("V", "mV", "volt", "volts")
+OTHERS = (*VOLTS, "ft", "pm", "px", "pixel", "pixels", "deg", "%", "Nm", "Pa", "kPa", "MPa", "F_s", "A_0")
 READ_IN = {
     **{"N/m": PER_WIDTH, "N": NEWTONS, "F_s": {"F_s": 1.0}},
     **{"A_0": {"A_0": 1.0}, "s": SECONDS, "nm": LENGTHS},

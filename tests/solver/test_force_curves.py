@@ -42,10 +42,10 @@ def test_a_force_curve_is_a_load_over_approach_in_segments():
 
 
 def test_of_several_force_curves_one_is_asked_for():
-    with pytest.raises(DataError, match=r"^2 force curves; call read_measurement\(scene, source, channel=...\)$"):
+    with pytest.raises(DataError, match=r"^2 force curves: 1 'curve 1', .*; call .*, channel=...\)$"):
         read_measurement(Scene(), hdf5(2))
     assert read_measurement(Scene(), hdf5(2), channel=2).segments[0].values["L"].max() == pytest.approx(4e-9)
-    with pytest.raises(DataError, match=r"^channel = 3: allowed: 1 .. 2, the number of a curve"):
+    with pytest.raises(DataError, match=r"^channel = 3: allowed: 1 'curve 1', 2 'curve 2'; give one"):
         read_measurement(Scene(), hdf5(2), channel=3)
 
 

@@ -1,6 +1,6 @@
 """A measured curve as the page draws it and compares it with a run, for workers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,17 +18,10 @@ COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  #
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """A measured curve to be compared; attributes as of a Recording. options: arguments that read it from its file."""
+class Curve(Recording):
+    """A measured curve to be compared. options: the arguments that read it from its file."""
 
-    kind: str
-    over: str
-    segments: tuple[Any, ...]
-    units: dict[str, str]
-    free: bool
-    virgin: bool
-    notes: tuple[str, ...]
-    options: dict[str, Any]
+    options: dict[str, Any] = field(default_factory=dict)
 
 
 def rounded(value: float, digits: int = 3) -> str:
@@ -48,7 +41,7 @@ def curve_of(read: Measurement | Recording, options: dict[str, Any]) -> Curve:
         for each in moving
     )
     units = {name: read.units[name] for name in (read.over, *segments[0].values)}
-    return Curve(read.kind, read.over, segments, units, read.free, read.virgin, read.notes, options)
+    return Curve(read.kind, segments, units, read.free, {}, read.notes, options)
 
 
 def shown(curve: Curve) -> dict[str, Any]:
