@@ -270,7 +270,6 @@ BEGINS = {  # heading of an example in docs/files.md: the columns below it
     "Weg [µm];Höhe [nm]": (X / 1e3, Z),
     "Height (nm)": (Z,),
     "Position (um),Force (mN)": (np.append(U, U[::-1]) / 1e3, np.append(F, F[::-1] - 10.0)),
-    "Displacement (mm),Force (N)": (DELTA / 1e6, L),
     "Zeit (ms);Kanal A (V)": (U, F / 10.0),
     "Z-Sense (nm),T-B (V)": (-DOWN, LOAD / 400.0),
     "Shear force (N),Area (mm2)": (F, 12.5 - F / 4.0),
