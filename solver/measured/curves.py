@@ -129,7 +129,8 @@ class _Reader:
                     f"deflection = {k!r}: allowed: above 0, N/m, of a load in N; leave it out, or give units"
                 )
             values["delta"] = values["delta"] - 1e9 * values["L"] / k
-            self.notes += [f"deflection = {k:g} N/m as given; the file says {said}."] * bool(said)
+            whose = "as the file says" if k == stiffness else f"as given; the file says {said}"
+            self.notes += [f"deflection = {k:g} N/m, {whose}."] * bool(said)
         elif said:
             value = f"={stiffness:g}" if stiffness else ""
             self.notes.append(f"The file says {said}: the lever is in delta; deflection{value} takes it off.")

@@ -106,6 +106,9 @@ class Layout(NamedTuple):
         return all(cell in MISSING or is_number(cell) for cell in cells)
 
 
+LAYOUTS = [Layout(mark, False) for mark in (";", "\t", "", ",")]
+
+
 def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
     """Finds the table in a file, or in its content.
 
@@ -152,13 +155,24 @@ def _lines(text):
     return lines
 
 
+def _reject_wide(count, k):
+    """Raises DataError for too many columns in the line of index k."""
+    if count > MOST_COLUMNS:
+        reason = f"{count} columns; allowed: up to {MOST_COLUMNS}; of a map of heights, save one line as x and z"
+        raise DataError(reason, k + 1)
+
+
 def _layout(lines):
     """The Layout with the most rows in a sample of lines; None for text without any."""
     full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
+    wide = [k for k, line in enumerate(lines) if len(line) > 2 * MOST_COLUMNS][:1]
+    if wide and len(full) > LONGEST and min(map(len, full[-LONGEST:])) > 2 * MOST_COLUMNS:  # before all of it is cut
+        widths = [each.width(lines[wide[0]]) for each in LAYOUTS if each.is_row(lines[wide[0]])]
+        _reject_wide(max(widths, default=0), wide[0])
     sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
 
     def most(words):
-        layouts = [Layout(mark, words) for mark in (";", "\t", "", ",")]
+        layouts = [each._replace(words=words) for each in LAYOUTS]
         hits = [sum(1 for line in sample if line and each.is_row(line)) for each in layouts]
         cut = [sum(len(each.split(line)) for line in full[-20:] if each.is_row(line)) for each in layouts]
         best = max(range(len(layouts)), key=lambda k: (hits[k], cut[k] if layouts[k].separator else 0))
@@ -239,8 +253,7 @@ def _full_rows(lines, rows, layout):
     """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
     counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
     width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
-    if counts.max() > MOST_COLUMNS:
-        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
+    _reject_wide(int(counts.max()), int(rows[counts.argmax()]))
     begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
     rows, counts = rows[begun:], counts[begun:]
     if counts.max() > width:

@@ -79,5 +79,5 @@ def test_a_stiffness_that_the_file_names_is_in_the_call_and_a_note_and_another_o
     found = read_measurement(Scene(), approach("height (nm),Fn (nN)"))
     assert any("spring constant = 0.5 N/m" in note and "deflection=0.5 takes it off" in note for note in found.notes)
     found = read_measurement(Scene(), approach("height (nm),Fn (nN)"), deflection=4.0)
-    assert "deflection = 4 N/m as given; the file says spring constant = 0.5 N/m." in found.notes
+    assert "deflection = 4 N/m, as given; the file says spring constant = 0.5 N/m." in found.notes
     assert not read_measurement(Scene(), approach("separation (nm),Fn (nN)")).notes

@@ -265,6 +265,7 @@ function connect() {
     } }),
     makeButton({ id: "file-use", disabled: true, onclick: use }, "Use it")))
   on("file-of", "close", () => {
+    if (by("file-of").open) return // another file was dropped before this event
     file = null
     turn++
     by("file-rows").dataset.key = ""

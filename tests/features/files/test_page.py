@@ -159,6 +159,15 @@ def test_a_file_of_many_pieces_is_read(visit):
 
 
 @pytest.mark.thorough
+def test_a_file_that_is_dropped_as_the_dialog_closes_is_read(visit):
+    page = visit("?u_x_max=4")
+    drop(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{k},{k % 7}" for k in range(40)), "first.csv")
+    # its event `close` comes after the drop
+    page.evaluate(DROP.replace("{", "{ document.getElementById('file-of').close()\n", 1), ["second.csv", "1,2\n", 40])
+    page.locator("#file-why", has_text="what kind of data").wait_for()
+
+
+@pytest.mark.thorough
 def test_pages_of_one_table_are_chosen_in_the_menu_of_channels(visit):
     page = visit("?u_x_max=4")
     half = [f"{k},{k % 7}" for k in range(80)]
