@@ -14,7 +14,7 @@ from .content import Source, content_of
 from .force_curves import is_force_curve
 from .instruments import is_instruments, read_line
 from .periodic import Points, made_periodic, reject_few
-from .tables import SHOWN, Block, listed, table_in
+from .tables import SHOWN, Block, Table, listed, table_in
 from .units import ALLOWED, agreed, factor, is_unit, mentioned, units_above
 from .units import LENGTHS as NM
 
@@ -121,21 +121,26 @@ def _of_table(block, how):
     return points, notes, any(PERIOD in line for line in block.table.above)
 
 
+def named(table: Table) -> dict[str, int]:
+    """{"x", "z": index} of the columns that names tell; of two without names both."""
+    if len(table.columns) == 2 and not any(column.name for column in table.columns):
+        return {"x": 0, "z": 1}
+    known, several = recognised(table, NAMED)
+    rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
+    if "z" not in {*known, *several} and not any(any(map(str.isalpha, column.unit or "")) for column in rest):
+        known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
+    return {role: known[role] for role in "xz" if role in known}
+
+
 def _x_and_z(table, how):
     """{"x", "z": index}, by name or as given; x is None for rows at equal distances. Raises DataError."""
     own = given(table, how.columns, "xz")
     checked("units", how.units, "xz")
-    known, several = recognised(table, NAMED)
-    unnamed = not any(column.name for column in table.columns)
-    if len(table.columns) == 2 and unnamed:
-        known = {"x": 0, "z": 1}
-    rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
-    if "z" not in {*known, *several} and not any(any(map(str.isalpha, column.unit or "")) for column in rest):
-        known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
-    of = {role: known[role] for role in "xz" if role in known} | own
+    of: dict[str, int | None] = named(table) | own
     if len(table.columns) == 1 and "x" not in own:
         raise _asked(table, f"one column; needed: {NEEDED}, or {COUNTED}", {"x": None, "z": 0}, how)
     if len(of) < 2 or of["x"] == of["z"] or of["z"] is None:
+        unnamed = not any(column.name for column in table.columns)
         matrix = f"; if this is a map of heights, save one line of it as x and z, or {COUNTED}"
         unclear = [role for role in "xz" if role not in of] or ["z"]
         reason = f"which column is {' and which '.join(unclear)} is not certain"

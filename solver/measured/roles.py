@@ -1,6 +1,7 @@
 """Which columns of a table are those of a measured curve, and in which units: what is not certain is asked for."""
 
 import re
+from contextlib import suppress
 from types import SimpleNamespace
 
 from ..surfaces import DataError
@@ -62,12 +63,21 @@ def quantity_of(role: str, kind: str) -> str:
     return "U_x" if role == "displacement" else role.removesuffix("_bar")
 
 
+def proposed(table: Table, kind: str = "") -> tuple[str, dict[str, int]]:
+    """(the kind of a curve, "" where it is not certain; {quantity: index} of the columns that names tell)."""
+    roles = Roles(table, SimpleNamespace(kind=kind or None, columns=None, units=None, speed=None, force=None))
+    with suppress(DataError):
+        roles.find(None)
+    return kind or roles.kind, roles.of
+
+
 class Roles:
     """The columns of a curve. Raises DataError where they are not certain, or without a unit.
 
-    how: the arguments of `read_measurement`. of: {quantity: index of its column}; over: the first quantity. role:
-    {quantity: what its heading says it is}; own: {index: the same}, of all columns; known: {role: index}. scaled:
-    {quantity: (factor, unit of what is read)}. notes: what is left out, `noted` of it by role, and units as given.
+    how: the arguments of `read_measurement`. kind: "friction" (a loop as well), "load" or "area". of: {quantity: index
+    of its column}; over: the first quantity. role: {quantity: what its heading says it is}; own: {index: the same}, of
+    all columns; known: {role: index}. scaled: {quantity: (factor, unit of what is read)}. notes: what is left out,
+    `noted` of it by role, and units as given.
     """
 
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
@@ -77,15 +87,17 @@ class Roles:
         how.units = checked("units", how.units, ROLES)
         self.own = {k: role for role, k in recognised_ones.items()}
         self.known = {role: k for role, k in (recognised_ones | self.given).items() if k is not None}
+        self.of: dict[str, int] = {}
         self.noted: tuple[str, ...] = ()
         self.notes: list[str] = []
+        self.kind = ""
 
     def find(self, sliding: bool | None) -> str:
-        """Set the rest, and return the kind: "friction" (of a loop as well), "load" or "area".
+        """Set the rest, and return the kind.
 
         sliding: whether a column `stage` has stages that slide; None without one.
         """
-        kind, self.role = self._kind(sliding)
+        self.kind, self.role = self._kind(sliding)
         self.of = {name: self.known[role] for name, role in self.role.items()}
         heading = self.heading("delta") if "delta" in self.of else None
         if heading in ("height", "gap", "position"):  # also one that an argument calls delta
@@ -95,7 +107,7 @@ class Roles:
         if missing := [name for name in list(self.of)[:2] if name not in self.scaled]:
             raise self._asked_units(missing)
         self.of = {name: self.of[name] for name in self.scaled}
-        return kind
+        return self.kind
 
     def heading(self, name: str) -> str | None:
         """What a heading says that the column of a quantity is."""
@@ -165,8 +177,8 @@ class Roles:
         over, values = MEANT[kind]
         roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
         at = {name: {known.get(each) for each in roles[name] if each in named} for name in names}
-        of = {name: found.pop() for name, found in at.items() if len(found) == 1 and None not in found}
-        return self._asked(reason, of, names, **more)
+        self.of = {name: found.pop() for name, found in at.items() if len(found) == 1 and None not in found}
+        return self._asked(reason, self.of, names, **more)
 
     def _asked(self, reason, of, names, **more):
         """The DataError for the columns and units of quantities."""

@@ -9,13 +9,13 @@ from app.features.files.comparing import Curve, curve_of, rounded
 from app.service import worker
 from app.service.tasks import MEMORY
 from solver import DataError, Profile, Scene, read_profile
-from solver.measured import profile
+from solver.measured import profile, roles
 from solver.measured.columns import recognised
 from solver.measured.curves import read_measurement
 from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
 from solver.measured.periodic import proposed
-from solver.measured.roles import MEANT, NAMED, SURE, quantity_of
+from solver.measured.roles import NAMED
 from solver.measured.said import lever_in
 from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import units_above
@@ -103,12 +103,12 @@ def _of_table(scene, block, chosen, seen):
     """Read a Block; fills `seen`."""
     table = block.table
     kind = chosen.kind or _kind(table, chosen.columns)
-    roles = [*dict.fromkeys(role for side in SIDES[kind] for role in side), *BESIDE.get(kind, ())] if kind else ROLES
-    columns = {role: k for role, k in chosen.columns.items() if role in roles and 0 <= k < len(table.columns)}
+    meant = [*dict.fromkeys(role for side in SIDES[kind] for role in side), *BESIDE.get(kind, ())] if kind else ROLES
+    columns = {role: k for role, k in chosen.columns.items() if role in meant and 0 <= k < len(table.columns)}
     columns = columns if chosen.columns else _columns(table, kind)
     above = units_above(table.above) if kind == SURFACE else {}
     units = {role: table.columns[k].unit or above.get(role) or "" for role, k in columns.items()} | chosen.units
-    seen |= {"kind": kind, "roles": roles, "known": {role: UNITS[role] for role in roles}, "columns": columns}
+    seen |= {"kind": kind, "roles": meant, "known": {role: UNITS[role] for role in meant}, "columns": columns}
     seen |= {"units": units, "table": _shown(table), "drawn": _raw(block, columns, kind)}
     if not kind:
         raise DataError("choose what kind of data this is")
@@ -122,31 +122,19 @@ def _of_table(scene, block, chosen, seen):
 
 def _kind(table, columns):
     """The kind of a table, where names or the chosen columns {role: index} tell it for certain; else ""."""
-    surface, curve = recognised(table, profile.NAMED)[0], recognised(table, NAMED)[0]
     if columns:
         chosen = [kind for kind, sides in SIDES.items() if kind and all(set(side) & columns.keys() for side in sides)]
         return chosen[0] if chosen else ""
-    found = next((kind for kind, x, y in SURE if {*x} & curve.keys() and {*y} & curve.keys()), "")
-    profiled = "x" in surface and bool({"z", "y"} & surface.keys())
+    found, named = roles.proposed(table)[0], any(column.name for column in table.columns)
+    profiled = named and {"x", "z"} <= profile.named(table).keys()
     return "" if found and profiled else SURFACE if profiled else found
 
 
 def _columns(table, kind):
     """{role: index} of the columns that names tell."""
-    if kind in ("", SURFACE):
-        known = recognised(table, profile.NAMED)[0] if kind else {}
-        if kind and len(table.columns) == 2 and not any(column.name for column in table.columns):
-            known = {"x": 0, "z": 1}
-        known = known or ({"z": 0} if kind and len(table.columns) == 1 else {})
-        z = known.get("z", known.get("y"))
-        return {role: k for role, k in (("x", known.get("x")), ("z", z)) if k is not None}
-    known, found = recognised(table, NAMED)[0], {}
-    kind = "friction" if kind == "loop" else kind
-    for side in MEANT[kind]:
-        role = next((role for role in side if role in known), None)
-        found |= {quantity_of(role, kind): known[role]} if role else {}
-    beside = {role: known.get(role, known.get(f"{role}_bar")) for role in BESIDE.get(kind, ())}
-    return found | {role: k for role, k in beside.items() if k is not None}
+    if kind == SURFACE:
+        return profile.named(table) or ({"z": 0} if len(table.columns) == 1 else {})
+    return roles.proposed(table, kind)[1] if kind else {}
 
 
 def _shown(table: Table) -> dict[str, Any]:
