@@ -124,10 +124,9 @@ class _Reader:
             raise self._asked_sign({"L": ...}, f"L is negative: {PULL}")
         k, (stiffness, said) = self.how.deflection, self._lever()
         if k is not None:
-            if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
-                raise DataError(
-                    f"deflection = {k!r}: allowed: above 0, N/m, of a load in N; leave it out, or give units"
-                )
+            if self.kind != "load" or self.units["L"] != "N" or not k > 0.0 or self.roles.heading("delta") == "gap":
+                allowed = "above 0, N/m, of a load in N; a separation has no lever in it"
+                raise DataError(f"deflection = {k!r}: allowed: {allowed}; leave it out, or give units")
             values["delta"] = values["delta"] - 1e9 * values["L"] / k
             whose = "as the file says" if k == stiffness else f"as given; the file says {said}"
             self.notes += [f"deflection = {k:g} N/m, {whose}."] * bool(said)

@@ -11,20 +11,13 @@ from numpy.typing import NDArray
 from ..surfaces import DataError
 from .content import Source, content_of, text_of
 from .headings import LABEL, heading_of
+from .layout import LONGEST, MISSING, is_number, layout_of, reject_wide
 
-MOST_COLUMNS = 100
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
-MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
 SHOWN = 40  # characters of a cell in a message
 FIRST = 5  # rows that a refusal shows
-SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
-LONGEST = 8  # rows of a table that counts beside another one
 DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
 FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
-
-# never goes back over a character
-_NUMBER = r"[+\-\N{MINUS SIGN}]?(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)(?:[eEdD][+\-\N{MINUS SIGN}]?\d++)?"
-is_number = re.compile(rf"{_NUMBER}|[+-]?(?:nan|NaN|NAN|inf|Inf|INF)").fullmatch
 
 
 class Column(NamedTuple):
@@ -86,29 +79,6 @@ def _shown(column):
     return f"{name}{unit} {column.low:.4g} .. {column.high:.4g}" if column.low == column.low else f"{name} of words"
 
 
-class Layout(NamedTuple):
-    """How a line is cut: separator ("" for blanks); and whether rows may have words among two numbers or more."""
-
-    separator: str
-    words: bool
-
-    def split(self, line: str) -> list[str]:
-        return [cell.strip(' "') for cell in line.split(self.separator or None)]
-
-    def width(self, line: str) -> int:
-        """The number of cells of a line."""
-        return line.count(self.separator) + 1 if self.separator else len(line.split())
-
-    def is_row(self, line: str) -> bool:
-        cells = self.split(line)
-        if self.words:
-            return len(cells) > 2 and sum(map(bool, map(is_number, cells[:20]))) > 1
-        return all(cell in MISSING or is_number(cell) for cell in cells)
-
-
-LAYOUTS = [Layout(mark, False) for mark in (";", "\t", "", ",")]
-
-
 def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
     """Finds the table in a file, or in its content.
 
@@ -125,7 +95,7 @@ def table_in(content: str | bytes, needed: str, channel: str | int | None = None
     """As `read_table`, of the content of a file."""
     raw = _lines(text_of(content))
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
-    layout = _layout(lines)
+    layout = layout_of(lines)
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
     layout, ranges, names = _ranges(raw, lines, layout)
@@ -153,35 +123,6 @@ def _lines(text):
         most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
         raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
     return lines
-
-
-def _reject_wide(count, k):
-    """Raises DataError for too many columns in the line of index k."""
-    if count > MOST_COLUMNS:
-        reason = f"{count} columns; allowed: up to {MOST_COLUMNS}; of a map of heights, save one line as x and z"
-        raise DataError(reason, k + 1)
-
-
-def _layout(lines):
-    """The Layout with the most rows in a sample of lines; None for text without any."""
-    full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
-    wide = [k for k, line in enumerate(lines) if len(line) > 2 * MOST_COLUMNS][:1]
-    if wide and len(full) > LONGEST and min(map(len, full[-LONGEST:])) > 2 * MOST_COLUMNS:  # before all of it is cut
-        widths = [each.width(lines[wide[0]]) for each in LAYOUTS if each.is_row(lines[wide[0]])]
-        _reject_wide(max(widths, default=0), wide[0])
-    sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
-
-    def most(words):
-        layouts = [each._replace(words=words) for each in LAYOUTS]
-        hits = [sum(1 for line in sample if line and each.is_row(line)) for each in layouts]
-        cut = [sum(len(each.split(line)) for line in full[-20:] if each.is_row(line)) for each in layouts]
-        best = max(range(len(layouts)), key=lambda k: (hits[k], cut[k] if layouts[k].separator else 0))
-        return hits[best], layouts[best]
-
-    (plain, numeric), (wordy, mixed) = most(False), most(True)
-    if max(plain, wordy) == 0 or not any(any(map(str.isdigit, line)) for line in sample):
-        return None
-    return mixed if wordy > 2 * plain + 1 else numeric
 
 
 def _ranges(raw, lines, layout):
@@ -214,9 +155,10 @@ def _chosen(ranges, names, channel):
     if not ranges:
         raise DataError("no points; no line has numbers alone")
     long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
+    long = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
     if channel is not None:
         channel = int(channel) if str(channel).isdigit() else channel
-        if channel == "all" and long:
+        if channel == "all":
             return long, []
         if channel not in range(1, len(long) + 1):
             raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
@@ -226,8 +168,7 @@ def _chosen(ranges, names, channel):
         reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}; 'all' reads them as one"
         choices = numbered([f"table from line {line}" for line in begin]) | {"all": "all, as one table"}
         raise DataError(reason, call={"channel": ...}, choices=choices)
-    best = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
-    return best, [k for k in range(len(ranges)) if k > best[-1]]
+    return long, [k for k in range(len(ranges)) if k > long[-1]]
 
 
 def _notes(ranges, others, rows):
@@ -253,7 +194,7 @@ def _full_rows(lines, rows, layout):
     """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
     counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
     width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
-    _reject_wide(int(counts.max()), int(rows[counts.argmax()]))
+    reject_wide(int(counts.max()), int(rows[counts.argmax()]))
     begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
     rows, counts = rows[begun:], counts[begun:]
     if counts.max() > width:
@@ -272,12 +213,11 @@ def _cells(texts, layout, width, rows):
         text = FORTRAN.sub(r"\1e\2", text)
     commas = layout.separator != "," and "," in text
     words = layout.words
-    if commas and not words and "." in text:
-        k = next(k for k, line in enumerate(texts) if "," in line)
-        raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
-    if commas and not words and not DECIMAL.search(text):
+    if commas and not words and ("." in text or not DECIMAL.search(text)):
+        both = "decimal points and commas; write one sign, without separators of thousands"
+        thousands = "commas with three digits behind each may separate thousands; write decimal points"
         line = int(rows[next(k for k, line in enumerate(texts) if "," in line)]) + 1
-        raise DataError("commas with three digits behind each may separate thousands; write decimal points", line)
+        raise DataError(both if "." in text else thousands, line)
     frame = read_csv(
         StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
         decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
