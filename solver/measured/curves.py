@@ -40,21 +40,17 @@ def read_measurement(
 ) -> Measurement | Recording:
     """Reads a measured curve from a table with a heading: friction over U_x or time, a loop, a load, an area.
 
-    NAMED lists what headings may say. Other columns and incomplete rows are left out. Of a file of a run the column
-    `stage` names the segments; one stage of shear is a friction curve. L counts beside F, and L_bar beside F_bar.
+    `roles.NAMED` lists what headings may say. Other columns and incomplete rows are left out.
 
-    Parameters: scene: gives w E and w, over which forces in N/m and areas in nm are taken; source: a path, or the
-    content of a file: text with line breaks, bytes, or an open file; or a Block of `read_table`. kind: one of KINDS,
-    where columns do not tell.
-    columns: {"U_x", "delta", "time", "F", "L", "A": name or number of a column, None for none}. units: {the same:
-    unit}, also "0.5 nN" for what 1 in the file is. sign: {"L": -1} turns a column. part: only from .. to, nm of U_x
-    or delta, or in the unit of a force. deflection: stiffness of the lever, N/m: L over it is taken off delta.
-    speed: nm/s, of friction over time. force: N/m per unit of the forces: the width of the contact across the pull is
-    in it. channel: the number of a table, from 1 on, where there are several.
-    Returns a Measurement of a friction curve in N/m or as F_bar, which `fit` takes, its noise estimated; else a
-    Recording, a loop in N/m among them.
-    Raises DataError; where an argument is missing, it shows the table and the call that reads the file. TypeError for a
-    scene that is none.
+    Parameters: scene: gives w E and w, over which forces in N/m and areas in nm are taken; source: a path, text with
+    line breaks, bytes, an open file, or a Block. kind: one of KINDS, where columns do not tell. columns: {"U_x",
+    "delta", "time", "F", "L", "A": name or number of a column, None for none}. units: {the same: unit}, also "0.5 nN"
+    for what 1 in the file is. sign: {"L": -1} turns a column. part: only from .. to, nm of U_x or delta, or in the
+    unit of a force. deflection: stiffness of the lever, N/m: L over it is taken off delta. speed: nm/s, of friction
+    over time. force: N/m per unit of the forces, with the width of the contact across the pull in it. channel: the
+    number of a table or force curve, from 1 on, where there are several.
+    Returns a Measurement of a friction curve in N/m or as F_bar, which `fit` takes; else a Recording, such as a loop.
+    Raises TypeError for no Scene, and DataError, which shows the table and the call that reads the file.
 
     Example: `read_measurement(Scene(), "measured.csv").noise`
     """

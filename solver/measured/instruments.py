@@ -40,31 +40,11 @@ def read_line(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
     """Reads a line of a file.
 
-    Parameters: content: the bytes of the file; unit: of lengths, where the file names none; line: "row 12" or
-    "column 12" of a map, by default the row through its highest point; channel: the name of a channel, or its number
-    from 1 on, where there are several.
+    Parameters: content: the bytes of the file; unit, line and channel: as of `read_profile`.
     Returns (x (n,) nm, z (n,) nm, nan where it is missing, a note on where they are from).
     Raises DataError for a file that is not known, for one without a unit, and where the package is not installed.
     """
-    for test, what in UNREAD:
-        if test(content):
-            raise DataError(f"this is {what}")
-    try:
-        from SurfaceTopography import open_topography
-    except ImportError:
-        raise DataError(INSTALL) from None
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            reader = open_topography(BytesIO(content))
-            surface = reader.topography(channel_index=_channel(reader, channel))
-    except DataError:
-        raise
-    except Exception as error:  # each of some fifty readers raises errors of its own
-        what = (
-            "an archive without a known file; unpack it" if content[:2] == b"PK" else "no known file of an instrument"
-        )
-        raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
+    surface, kind = _opened(content, channel)
     found = surface.unit
     if unit is None and not is_unit(found):
         names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
@@ -79,8 +59,30 @@ def read_line(
         raise DataError(f"line = {line!r}, but the file has one line only; leave it out")
     length = float(sizes[0]) * nm
     high = float(np.nanmax(z) - np.nanmin(z))
-    note = f"{type(reader).__name__}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
+    note = f"{kind}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
     return np.arange(z.size, dtype=np.float64) * (length / z.size), z, note
+
+
+def _opened(content: bytes, channel: str | int | None) -> tuple[Any, str]:
+    """(a channel of a file, the name of the library's reader)."""
+    for test, what in UNREAD:
+        if test(content):
+            raise DataError(f"this is {what}")
+    try:
+        from SurfaceTopography import open_topography
+    except ImportError:
+        raise DataError(INSTALL) from None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            reader = open_topography(BytesIO(content))
+            return reader.topography(channel_index=_channel(reader, channel)), type(reader).__name__
+    except DataError:
+        raise
+    except Exception as error:  # each of some fifty readers raises errors of its own
+        what = "no known file of an instrument"
+        what = "an archive without a known file; unpack it" if content[:2] == b"PK" else what
+        raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
 
 
 def _channel(reader: Any, wanted: str | int | None) -> int:

@@ -47,10 +47,10 @@ def reject_wide(count: int, k: int) -> None:
 def layout_of(lines: list[str]) -> Layout | None:
     """The Layout with the most rows in a sample of lines; None for text without any."""
     full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
-    wide = [k for k, line in enumerate(lines) if len(line) > 2 * MOST_COLUMNS][:1]
-    if wide and len(full) > LONGEST and min(map(len, full[-LONGEST:])) > 2 * MOST_COLUMNS:  # before all of it is cut
-        widths = [each.width(lines[wide[0]]) for each in LAYOUTS if each.is_row(lines[wide[0]])]
-        reject_wide(max(widths, default=0), wide[0])
+    if len(full) > LONGEST and min(map(len, full[-LONGEST:])) > 2 * MOST_COLUMNS:  # before all of it is cut
+        wide = next(k for k, line in enumerate(lines) if len(line) > 2 * MOST_COLUMNS)
+        widths = [each.width(lines[wide]) for each in LAYOUTS if each.is_row(lines[wide])]
+        reject_wide(max(widths, default=0), wide)
     sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
 
     def most(words):

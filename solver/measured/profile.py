@@ -60,8 +60,7 @@ def read_profile(
 ) -> Profile:
     """Reads a measured profile from a table of x and z, or from the file of an instrument.
 
-    Parameters: source: a path, or the content of a file: text with line breaks, bytes, or an open file; or a Block of
-    `read_table`.
+    Parameters: source: a path, text with line breaks, bytes, an open file, or a Block.
     columns: {"x": ..., "z": ...}, each the name of a column or its number from 1 on, where names do not tell; x is None
     for rows at equal distances. units: {"x": "um", "z": "nm"}, also "0.5 um", which is the distance of rows that are
     counted; unit: one for both. The file's own units need none.

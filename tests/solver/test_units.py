@@ -34,7 +34,7 @@ CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
     (curve, "U_x (nm),F", {"units": {"F": "mN"}, "force": 1e3}, "force = 1000, but F is in mN; leave force out"),
     (curve, "U_x (nm),L (N)", {"kind": "load"}, "which column is what is not certain; needed: delta and L of a load"),
     (curve, "U_x (nm),F (N/m)", {"columns": {"F": "F [N]"}}, "columns['F'] = 'F [N]' is none of them; give a name"),
-    (curve, "separation (nm),L (N)", {"deflection": 2.0, "sign": {"L": 1}}, "a separation has no lever in it; leave it out"),
+    (curve, "separation (nm),L (N)", {"deflection": 2.0, "sign": {"L": 1}}, "a separation has no lever in it"),
     (profile, "x (nm),z (nm)", {"unit": "um"}, "unit = 'um', but the file names nm; leave it out"),
     (profile, "x (nm),z (V)", {"units": {"z": "nm"}}, 'names V; say what 1 V is, as "10 nm"'),
     (profile, "X units: um\nx (nm),z (nm)", {}, "x in 'nm or um'; allowed units: nm"),
