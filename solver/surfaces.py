@@ -7,7 +7,7 @@ The largest gap lies at the ends of the cell, so contact spreads across them las
 """
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from os import PathLike
@@ -34,7 +34,7 @@ class DataError(ValueError):
 
     line: its number in the file, or None. reason: without line and call. table: the `solver.measured.tables.Table` that
     was seen, or None. call: {argument: value} that would read the file; values not known are `...`. function: what is
-    called, up to its first argument. choices: names of the channels or tables of which one is asked for.
+    called, up to its first argument. choices: {channel: its name}, where one is asked for.
     """
 
     def __init__(
@@ -43,10 +43,10 @@ class DataError(ValueError):
         line: int | None = None,
         table: Any = None,
         call: dict[str, Any] | None = None,
-        choices: Sequence[str] = (),
+        choices: Mapping[str, str] | None = None,
     ) -> None:
         self.reason, self.line, self.table, self.call = reason, line, table, call or {}
-        self.function, self.choices = "", tuple(choices)
+        self.function, self.choices = "", dict(choices or {})
         super().__init__(reason)
 
     @property

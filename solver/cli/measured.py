@@ -1,6 +1,7 @@
 """Options that say how measured files are read: arguments of `read_profile` and `read_measurement`."""
 
 import argparse
+import re
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +12,7 @@ from ..surfaces import DataError, Profile
 from .pairs import InputError, settings
 
 PAIRS = {"columns": "NAME=COLUMN", "units": "NAME=UNIT", "sign": "NAME=SIGN"}
+IN_PYTHON = re.compile(r"\b(units|columns)\['(\w+)'\]")  # how a refusal calls a part of an argument
 OF_PROFILES, OF_CURVES, SHARED = ("line", "cut_off"), ("kind", "sign", "deflection", "speed"), ("part", "channel")
 
 
@@ -37,8 +39,8 @@ def add_curve(parser: argparse.ArgumentParser) -> None:
 
 def profile_of(file: str, width: float | None, arguments: Mapping[str, Any]) -> Profile:
     """The Profile in a file, read as the arguments say; raises InputError in words of the command line."""
-    from ..measured.curves import ROLES  # only measured files need it
     from ..measured.profile import read_profile
+    from ..measured.roles import ROLES  # only measured files need it
 
     beside = "measured" in arguments
     given = _given(arguments, {*OF_CURVES, *(SHARED if beside else ())}, ROLES if beside else ())
@@ -113,7 +115,8 @@ def _in_words(error):
         pairs = [f"{key}={_shown(each)}" for key, each in value.items()] if isinstance(value, dict) else None
         values = pairs or ([_shown(each) for each in value] if isinstance(value, tuple) else [_shown(value)])
         words.append(" ".join([f"--{name.replace('_', '-')}", *map(shlex.quote, values)]))
-    return f"{error.brief}; add {' '.join(words)}" if words else error.brief
+    brief = IN_PYTHON.sub(r"--\1 \2", error.brief)
+    return f"{brief}; add {' '.join(words)}" if words else brief
 
 
 def _shown(value):

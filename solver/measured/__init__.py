@@ -2,11 +2,14 @@
 
 The way of a file:
 
-tables                         the text: its block of numbers, the columns, the lines above; what the file names
-units                          lengths, forces and times
+content                        its bytes or text; what is no measurement
+units, headings                lengths, forces and times; names and units of columns
+layout                         how lines are cut into cells
+tables                         the block of numbers, its columns, the lines above
 columns                        which column is what, by name or as given; else a refusal that shows the table
 smoothing, instruments         the Gaussian filter; surfaces in the files of instruments
-profile                        a surface: x and z, made periodic
+force_curves                   force curves in the files of microscopes
+profile, periodic              a surface: x and z, made periodic
 noise, comparison              noise and slips of a curve; a curve beside that of a run
 recording, measurement         a curve in segments; one stroke of friction with its noise
 curves                         a curve: its kind, its segments, its units

@@ -50,10 +50,11 @@ def _index(table, role, wanted):
     if isinstance(wanted, int):
         at = [wanted - 1] if 0 < wanted <= len(table.columns) else []
     else:
-        name = parted(wanted)[0] if isinstance(wanted, str) else ""
-        same = [column.name.lower() for column in table.columns]
-        wholes = {str(wanted).strip().lower(), name.lower()} - {""}
-        at = [k for k, each in enumerate(same) if each in wholes]
+        whole = str(wanted).strip().lower()
+        name, unit = parted(whole)
+        names = [column.name.lower() for column in table.columns]
+        own = [(column.unit or "").lower() for column in table.columns]
+        at = [k for k, each in enumerate(names) if each and (each == whole or (each, own[k]) == (name, unit))]
     if len(at) != 1:
         why = "is the name of several; give its number" if at else "is none of them; give a name or a number"
         raise DataError(f"columns[{role!r}] = {wanted!r} {why}; {table}", table=table)

@@ -107,8 +107,16 @@ def compared(measured: Measured, result: Computed) -> Comparison:
     scale, zero = _scale(measured, pairs, shift)
     if scale <= 0.0:
         raise ValueError(f"a scale of {scale:.3g} brings the forces nearest to the run; turn their sign")
-    rows = list[tuple[str, float, str, float, float]]()
-    off, outside = dict[str, list[Floats]](), 0
+    rows, off, outside = _differences(measured, pairs, shift, scale, zero)
+    rms = {name: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for name, parts in off.items()}
+    units = {name: "N/m" if measured.units[name] == "N" else measured.units[name] for name in off}
+    noise = {name: noise_in(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
+    return Comparison(rows, rms, noise, units, outside, shift, scale, zero)
+
+
+def _differences(measured, pairs, shift, scale, zero):
+    """(rows as of a Comparison, {quantity: differences within the run}, points outside); ValueError for all outside."""
+    rows, off, outside = [], {}, 0
     for segment, (x, curves) in pairs:
         at = segment.x + shift
         if measured.units.get(measured.over) == "N":
@@ -121,14 +129,9 @@ def compared(measured: Measured, result: Computed) -> Comparison:
             rows += [(segment.name, *row) for row in zip(*columns, strict=True)]
             off.setdefault(name, []).append((seen - found)[inside])
     if outside == sum(segment.x.size for segment, _ in pairs):
-        raise ValueError(
-            f"no point lies within the run; compute one that covers {measured.over} of the curve, or read"
-            " a part of it, part=(from, to)"
-        )
-    rms = {name: float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) for name, parts in off.items()}
-    units = {name: "N/m" if measured.units[name] == "N" else measured.units[name] for name in off}
-    noise = {name: noise_in(measured, name) * (abs(scale) if measured.units[name] == "N" else 1.0) for name in off}
-    return Comparison(rows, rms, noise, units, outside, shift, scale, zero)
+        remedy = f"compute one that covers {measured.over} of the curve, or read a part of it, part=(from, to)"
+        raise ValueError(f"no point lies within the run; {remedy}")
+    return rows, off, outside
 
 
 def noise_in(measured: Measured, name: str) -> float:

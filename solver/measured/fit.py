@@ -5,12 +5,12 @@ from concurrent.futures import Executor
 
 from ..analysis.partial import DRIVE, continuous
 from ..scene import Scene
+from .content import Source
 from .curves import read_measurement
 from .loop_fit import fit_of_loop
 from .measurement import Measurement
 from .recording import Recording
 from .stroke_fit import Fit, fit_of_stroke
-from .tables import Source
 from .trial import AXES
 
 LIMIT = 60.0  # s of processor time, of a fit: on a quiet machine about as long as somebody waits

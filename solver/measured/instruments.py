@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .units import factor
+from .tables import index_of
+from .units import agreed, factor, is_unit
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
+BEGIN = 500  # characters that have the known beginning of a text
 MISSING = 1e9  # nm: heights beyond are marks of missing points
 BEGINNINGS = re.compile(rb"[ab]BCR-1|aISO-1|WSxM file|# Channel: .*\r?\n# Width: |\\\*File list")  # of files in text
 UNREAD = (  # what a file is that the library cannot read: a test of its content, and what to do
@@ -24,8 +26,10 @@ UNREAD = (  # what a file is that the library cannot read: a test of its content
 LINE = re.compile(r"(row|column) (\d{1,6})")
 
 
-def is_instruments(content: bytes) -> bool:
+def is_instruments(content: str | bytes) -> bool:
     """Whether a file is no table of numbers in text: it has null bytes but no mark of UTF-16, or a known beginning."""
+    if isinstance(content, str):
+        return bool(BEGINNINGS.match(content[:BEGIN].encode(errors="replace")))
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return False
     return b"\0" in content or bool(BEGINNINGS.match(content)) or any(test(content) for test, _ in UNREAD)
@@ -36,12 +40,31 @@ def read_line(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
     """Reads a line of a file.
 
-    Parameters: content: the bytes of the file; unit: of lengths, where the file names none; line: "row 12" or
-    "column 12" of a map, by default the row through its highest point; channel: the name of a channel, or its number
-    from 1 on, where there are several.
+    Parameters: content: the bytes of the file; unit, line and channel: as of `read_profile`.
     Returns (x (n,) nm, z (n,) nm, nan where it is missing, a note on where they are from).
     Raises DataError for a file that is not known, for one without a unit, and where the package is not installed.
     """
+    surface, kind = _opened(content, channel)
+    found = surface.unit
+    if unit is None and not is_unit(found):
+        names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
+        raise DataError(f"the file names {names}, as in unit='{'1 ' * bool(found)}um'", call={"unit": ...})
+    nm = factor(found) if unit is None else agreed(unit, found)
+    heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
+    heights[np.abs(heights) > MISSING] = np.nan
+    sizes, z, where = surface.physical_sizes, heights, "line"
+    if heights.ndim == 2:
+        where, z, sizes = _of_map(heights, sizes, line)
+    elif line is not None:
+        raise DataError(f"line = {line!r}, but the file has one line only; leave it out")
+    length = float(sizes[0]) * nm
+    high = float(np.nanmax(z) - np.nanmin(z))
+    note = f"{kind}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
+    return np.arange(z.size, dtype=np.float64) * (length / z.size), z, note
+
+
+def _opened(content: bytes, channel: str | int | None) -> tuple[Any, str]:
+    """(a channel of a file, the name of the library's reader)."""
     for test, what in UNREAD:
         if test(content):
             raise DataError(f"this is {what}")
@@ -53,47 +76,21 @@ def read_line(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             reader = open_topography(BytesIO(content))
-            surface = reader.topography(channel_index=_channel(reader, channel))
+            return reader.topography(channel_index=_channel(reader, channel)), type(reader).__name__
     except DataError:
         raise
     except Exception as error:  # each of some fifty readers raises errors of its own
-        what = (
-            "an archive without a known file; unpack it" if content[:2] == b"PK" else "no known file of an instrument"
-        )
+        what = "no known file of an instrument"
+        what = "an archive without a known file; unpack it" if content[:2] == b"PK" else what
         raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
-    found = surface.unit
-    if found is None and unit is None:
-        raise DataError("the file names no unit of length; give it, as in unit='um'", call={"unit": ...})
-    if found is not None and unit is not None and factor(found) != factor(unit):
-        raise DataError(f"unit = {unit!r}, but the file names {found}; leave unit out")
-    nm = factor(found or unit)  # type: ignore[arg-type]
-    heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
-    heights[np.abs(heights) > MISSING] = np.nan
-    sizes, z, where = surface.physical_sizes, heights, "line"
-    if heights.ndim == 2:
-        where, z, sizes = _of_map(heights, sizes, line)
-    elif line is not None:
-        raise DataError(f"line = {line!r}, but the file has one line only; leave it out")
-    length = float(sizes[0]) * nm
-    high = float(np.nanmax(z) - np.nanmin(z))
-    note = f"{type(reader).__name__}: {where} {length:.6g} nm long, {high:.4g} nm high, {z.size} points."
-    return np.arange(z.size, dtype=np.float64) * (length / z.size), z, note
 
 
 def _channel(reader: Any, wanted: str | int | None) -> int:
     """The index of a channel, by its name or number; of several one is asked for."""
     names = [channel.name or f"channel {k}" for k, channel in enumerate(reader.channels, 1)]
-    if wanted is None and len(names) == 1:
-        return 0
     if not names:
         raise DataError("the file holds no heights; export it as CSV of x and z")
-    listed = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
-    if wanted is None:
-        raise DataError(f"{len(names)} channels: {listed}", call={"channel": ...}, choices=names)
-    at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
-    if not 0 <= at < len(names):
-        raise DataError(f"channel = {wanted!r}: allowed: {listed}; give one of these")
-    return at
+    return index_of(names, wanted, "channels")
 
 
 def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -9,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..run.frame import STAGES, Stage
 from ..surfaces import DataError
 from .comparison import Comparison, Computed, compared
 from .noise import FEWEST
@@ -21,6 +23,16 @@ KINDS = {
     **{"friction": "U_x", "loop": "U_x", "area over displacement": "U_x"},
     **{"load": "delta", "area over force": "F", "area over load": "L"},
 }
+
+PARTS = {  # words for a segment
+    "approach": ("approach", "extend", "loading", "false", "0"),
+    "retract": ("retract", "withdraw", "unloading", "true", "1"),
+    "hold": ("hold", "pause", "dwell", "intermediate", "2"),
+    "forth": ("forth", "trace", "forward"),
+    "back": ("back", "retrace", "backward"),
+}
+PART_OF = {word: part for part, words in PARTS.items() for word in words}
+OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move": "forth"}  # others keep their name
 
 
 class Segment(NamedTuple):
@@ -115,3 +127,15 @@ def _still(x, turn):
     apart = np.flatnonzero(np.abs(x - x[turn]) > STILL * np.ptp(x))
     k = np.searchsorted(apart, turn)
     return int(apart[k - 1]) + 1 if k else 0, int(apart[k]) - 1 if k < apart.size else x.size - 1
+
+
+def sliding(stages: Iterable[object]) -> list[str]:
+    """The stages of a column that move U_x to and fro, in order."""
+    words = dict.fromkeys(map(str, stages))
+    return [each for each in words if Stage(each).kind in STAGES and Stage(each).moves == "U_x"]
+
+
+def part_named(text: str) -> str | None:
+    """The name of a segment, from a cell; None for an unknown word."""
+    kind = Stage(text).kind
+    return OF_STAGE.get(kind, kind) if kind in STAGES else PART_OF.get(text.strip().lower())

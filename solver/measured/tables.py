@@ -1,43 +1,23 @@
 """Tables in text files: the block of numbers, its columns with names and units, and the lines above it."""
 
-import csv
 import re
 from collections.abc import Sequence
 from io import StringIO
-from os import PathLike
-from pathlib import Path
-from typing import Any, NamedTuple, TextIO
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .units import named_unit, parted, plain_unit
+from .content import Source, content_of, text_of
+from .headings import LABEL, heading_of
+from .layout import LONGEST, MISSING, is_number, layout_of, reject_wide
 
-Source = str | bytes | PathLike[str] | TextIO
-MOST_BYTES = 20_000_000  # of a file: some 500,000 rows of two numbers
-MOST_COLUMNS = 100
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
-MISSING = ("", "Bad", "BAD", "bad", "***", "---", "--", "-", "nan", "NaN", "NAN")  # cells without a number
-OTHERS = {  # what a file is that begins so, and holds no measurement
-    "a picture, whose heights are lost; export them as CSV": (b"\x89PNG\r\n", b"\xff\xd8\xff", b"GIF8", b"RIFF"),
-    "a PDF; export its numbers as CSV": (b"%PDF-",),
-    "an archive; unpack it": (b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!", b"BZh", b"\xfd7zXZ"),
-    "a program; choose a file of a measurement": (b"\x7fELF", b"MZ\x90", b"\xcf\xfa\xed\xfe"),
-}
 SHOWN = 40  # characters of a cell in a message
 FIRST = 5  # rows that a refusal shows
-SAMPLE = 1000  # lines from the top, and as many from everywhere, that decide which separator there is
-LONGEST = 8  # rows of a table that counts beside another one
-LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
-COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
-BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
 DECIMAL = re.compile(r"(?<!\d)0?,|,(?!\d{3}(?!\d))")  # a comma that separates no thousands
 FORTRAN = re.compile(r"(\d\.?)[dD]([+-]?\d)")  # an exponent, as in 1.0D+00
-
-# never goes back over a character
-_NUMBER = r"[+\-\N{MINUS SIGN}]?(?:\d++,\d++|\d++\.?\d*+|[.,]\d++)(?:[eEdD][+\-\N{MINUS SIGN}]?\d++)?"
-is_number = re.compile(rf"{_NUMBER}|[+-]?(?:nan|NaN|NAN|inf|Inf|INF)").fullmatch
 
 
 class Column(NamedTuple):
@@ -99,26 +79,6 @@ def _shown(column):
     return f"{name}{unit} {column.low:.4g} .. {column.high:.4g}" if column.low == column.low else f"{name} of words"
 
 
-class Layout(NamedTuple):
-    """How a line is cut: separator ("" for blanks); and whether rows may have words among two numbers or more."""
-
-    separator: str
-    words: bool
-
-    def split(self, line: str) -> list[str]:
-        return [cell.strip(' "') for cell in line.split(self.separator or None)]
-
-    def width(self, line: str) -> int:
-        """The number of cells of a line."""
-        return line.count(self.separator) + 1 if self.separator else len(line.split())
-
-    def is_row(self, line: str) -> bool:
-        cells = self.split(line)
-        if self.words:
-            return len(cells) > 2 and sum(map(bool, map(is_number, cells[:20]))) > 1
-        return all(cell in MISSING or is_number(cell) for cell in cells)
-
-
 def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
     """Finds the table in a file, or in its content.
 
@@ -128,9 +88,14 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
     Returns a Block. Raises DataError.
     """
-    raw = _lines(_text(source))
+    return table_in(content_of(source), needed, channel)
+
+
+def table_in(content: str | bytes, needed: str, channel: str | int | None = None) -> Block:
+    """As `read_table`, of the content of a file."""
+    raw = _lines(text_of(content))
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
-    layout = _layout(lines)
+    layout = layout_of(lines)
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
     layout, ranges, names = _ranges(raw, lines, layout)
@@ -141,8 +106,8 @@ def read_table(source: Source, needed: str, channel: str | int | None = None) ->
     cells = _cells([lines[k] for k in rows], layout, width, rows)
     above = tuple(line for line in raw[: rows[0]] if line.strip())
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
-    units, heading = _heading(above, layout, (filled, width))
-    columns = tuple(Column(*both, *_range(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
+    units, heading = heading_of(above, layout.separator, (filled, width))
+    columns = tuple(Column(*both, *range_of(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
     kept = [k for k in range(width) if heading[k] or k < filled]
     first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
     table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
@@ -158,24 +123,6 @@ def _lines(text):
         most = f"up to {MOST_LINES} of {LONGEST_LINE} characters"
         raise DataError(f"{count} lines of {len(text)} characters; allowed: {most}; thin it out")
     return lines
-
-
-def _layout(lines):
-    """The Layout with the most rows in a sample of lines; None for text without any."""
-    full = [line for line in lines[: 4 * SAMPLE] if line] or [""]
-    sample = full[:SAMPLE] + lines[SAMPLE :: 1 + len(lines) // SAMPLE]
-
-    def most(words):
-        layouts = [Layout(mark, words) for mark in (";", "\t", "", ",")]
-        hits = [sum(1 for line in sample if line and each.is_row(line)) for each in layouts]
-        cut = [sum(len(each.split(line)) for line in full[-20:] if each.is_row(line)) for each in layouts]
-        best = max(range(len(layouts)), key=lambda k: (hits[k], cut[k] if layouts[k].separator else 0))
-        return hits[best], layouts[best]
-
-    (plain, numeric), (wordy, mixed) = most(False), most(True)
-    if max(plain, wordy) == 0 or not any(any(map(str.isdigit, line)) for line in sample):
-        return None
-    return mixed if wordy > 2 * plain + 1 else numeric
 
 
 def _ranges(raw, lines, layout):
@@ -208,19 +155,20 @@ def _chosen(ranges, names, channel):
     if not ranges:
         raise DataError("no points; no line has numbers alone")
     long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
+    long = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
     if channel is not None:
         channel = int(channel) if str(channel).isdigit() else channel
-        if channel == "all" and long:
+        if channel == "all":
             return long, []
         if channel not in range(1, len(long) + 1):
             raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
         return [long[channel - 1]], []
     if len(long) > 1 and not all(names[k] for k in long):
         begin = [str(ranges[k][0] + 1) for k in long]
-        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}"
-        raise DataError(reason, call={"channel": ...}, choices=[f"table from line {line}" for line in begin])
-    best = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
-    return best, [k for k in range(len(ranges)) if k > best[-1]]
+        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}; 'all' reads them as one"
+        choices = numbered([f"table from line {line}" for line in begin]) | {"all": "all, as one table"}
+        raise DataError(reason, call={"channel": ...}, choices=choices)
+    return long, [k for k in range(len(ranges)) if k > long[-1]]
 
 
 def _notes(ranges, others, rows):
@@ -246,8 +194,7 @@ def _full_rows(lines, rows, layout):
     """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
     counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
     width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
-    if counts.max() > MOST_COLUMNS:
-        raise DataError(f"{counts.max()} columns; allowed: up to {MOST_COLUMNS}", int(rows[counts.argmax()]) + 1)
+    reject_wide(int(counts.max()), int(rows[counts.argmax()]))
     begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
     rows, counts = rows[begun:], counts[begun:]
     if counts.max() > width:
@@ -266,12 +213,11 @@ def _cells(texts, layout, width, rows):
         text = FORTRAN.sub(r"\1e\2", text)
     commas = layout.separator != "," and "," in text
     words = layout.words
-    if commas and not words and "." in text:
-        k = next(k for k, line in enumerate(texts) if "," in line)
-        raise DataError("decimal points and commas; write one sign, without separators of thousands", int(rows[k]) + 1)
-    if commas and not words and not DECIMAL.search(text):
+    if commas and not words and ("." in text or not DECIMAL.search(text)):
+        both = "decimal points and commas; write one sign, without separators of thousands"
+        thousands = "commas with three digits behind each may separate thousands; write decimal points"
         line = int(rows[next(k for k, line in enumerate(texts) if "," in line)]) + 1
-        raise DataError("commas with three digits behind each may separate thousands; write decimal points", line)
+        raise DataError(both if "." in text else thousands, line)
     frame = read_csv(
         StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
         decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
@@ -290,65 +236,10 @@ def _cells(texts, layout, width, rows):
     return cells
 
 
-def _range(cells):
+def range_of(cells: NDArray[Any]) -> tuple[float, float]:
     """(least, largest) finite number of a column; nan without any."""
-    known = cells[np.isfinite(cells)] if cells.dtype != object else []
-    return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
-
-
-def _heading(above, layout, sizes):
-    """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
-    labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}
-    named, units = (_split(labels.get(word, ""), layout, sizes) for word in ("columns", "units"))
-    near = _near(above, layout, sizes) if named is None else []
-    unit_row = next((k for k, cells in enumerate(near) if _are_units(cells)), None)
-    if unit_row is not None:  # names stand above it, with comments below, or else below it
-        units = [plain_unit(cell.strip(BRACKETS)) for cell in near.pop(unit_row)]
-        near = near[unit_row:] or near
-    both = [parted(cell) for cell in named or (near[0] if near else [""] * sizes[1])]
-    below = units or [""] * sizes[1]
-    # two units of one column make one that is not known, and is asked for
-    each = [
-        " or ".join(dict.fromkeys(filter(None, pair))) for pair in zip((own for _, own in both), below, strict=True)
-    ]
-    return [unit or None for unit in each], [name for name, _ in both]
-
-
-def _near(above, layout, sizes):
-    """[cells] of the lines next to the first row that have words in each column, the lowest first."""
-    near = []
-    for line in [line for line in reversed(above) if re.search(r"[^\W\d_]", line)][:3]:
-        cells = _split(line.strip(COMMENT), layout, sizes)
-        if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
-            break
-        near.append(cells)
-    return near
-
-
-def _are_units(cells):
-    """Whether more than half of the cells are units; others may be such as mm/sec."""
-    filled = [cell for cell in cells if cell]
-    return 2 * sum(named_unit(cell) or cell[0] in BRACKETS for cell in filled) > len(filled)
-
-
-def _split(line, layout, sizes):
-    """The cells of a heading, cut by the separator of the rows or by another one into as many; None if it has more.
-
-    sizes: numbers of columns without and with the empty ones at their end.
-    """
-    filled, width = sizes
-    if not line or len(line) > 200 * width:
-        return None
-    marks = dict.fromkeys((layout.separator or "\t", ";", "\t", ","))
-    quoted = [next(csv.reader([line], delimiter=mark, skipinitialspace=True)) for mark in marks]
-    blanks = [] if re.search("[;\t]", line) else BLANKS.findall(line)
-    for cells in (*quoted, re.split(" {2,}", line), blanks):
-        cells = [" ".join(cell.split()).strip(' "') for cell in cells]
-        while len(cells) > filled and not cells[-1]:
-            cells.pop()
-        if filled <= len(cells) <= width and any(cells):
-            return [*cells, *[""] * (width - len(cells))]
-    return None
+    known = cells[np.isfinite(cells)] if cells.dtype != object else np.zeros(0)
+    return (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
 
 
 def _with_segments(block, names, ranges, chosen, begun):
@@ -360,53 +251,23 @@ def _with_segments(block, names, ranges, chosen, begun):
     return block._replace(table=block.table._replace(columns=columns), cells=[*block.cells, words])
 
 
+def numbered(names: Sequence[str]) -> dict[str, str]:
+    """{channel: name} of channels or tables that are called by their numbers."""
+    return {f"{k}": name for k, name in enumerate(names, 1)}
+
+
+def index_of(names: Sequence[str], channel: str | int | None, what: str) -> int:
+    """The index of the channel that is asked for, by its name or number from 1 on; of several one must be."""
+    shown = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
+    if channel is None and len(names) > 1:
+        raise DataError(f"{len(names)} {what}: {shown}", call={"channel": ...}, choices=numbered(names))
+    wanted = 1 if channel is None else channel
+    at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
+    if not 0 <= at < len(names):
+        raise DataError(f"channel = {channel!r}: allowed: {shown}; give one of these")
+    return at
+
+
 def listed(items: Sequence) -> str:
     """The first three of some items, as text."""
     return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)
-
-
-def content_of(source: Source) -> str | bytes:
-    """The content of a file, a path, or the content itself; raises DataError, also for more than MOST_BYTES."""
-    if isinstance(source, PathLike) or (isinstance(source, str) and not re.search("[\r\n]", source)):
-        content = _content(source)
-    else:
-        content = source if isinstance(source, (str, bytes)) else source.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise DataError(f"more than {MOST_BYTES / 1e6:g} MB; thin it out, fewer points are enough")
-    if isinstance(content, bytes):
-        for what, beginnings in OTHERS.items():
-            if content.startswith(beginnings):
-                raise DataError(f"this is {what}")
-        if not content.strip(b"\0"):
-            raise DataError("this is an empty file; choose another one")
-    return content
-
-
-def _text(source):
-    """The content as text, with plain line breaks; raises DataError where it is not text."""
-    content = content_of(source)
-    if not isinstance(content, str):
-        raw = bytes(content)
-        try:
-            content = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8")
-        except UnicodeDecodeError:  # of an older instrument: in Latin-1 every byte is a character
-            content = bytes(content).decode("latin-1")
-    content = content.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
-    if binary := re.search("[\0\ufffd]", content):
-        raise DataError("not a text file; save it as CSV in UTF-8", content.count("\n", 0, binary.start()) + 1)
-    return content
-
-
-def _content(path):
-    """The bytes of a file, at most one more than allowed."""
-    shown = repr(str(path)[: 3 * SHOWN])
-    try:
-        if not Path(path).is_file():  # a pipe or a device may never end
-            raise DataError(f"{shown} is not a file; name a CSV file, or give its lines")
-        with open(path, "rb") as file:
-            return file.read(MOST_BYTES + 1)
-    except (OSError, ValueError) as failure:  # ValueError: a null character in the name
-        if isinstance(failure, DataError):
-            raise
-        reason = getattr(failure, "strerror", None) or failure
-        raise DataError(f"{shown}: {reason}; name a CSV file that can be read") from None

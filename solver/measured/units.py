@@ -23,26 +23,14 @@ NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9,
 }
 PER_WIDTH = UNITS["N/m"]
 SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-OTHERS = (
-    "V",
-    "mV",
-    "volt",
-    "volts",
-    "ft",
-    "pm",
-    "px",
-    "pixel",
-    "pixels",
-    "deg",
-    "%",
-    "Nm",
-    "Pa",
-    "kPa",
-    "MPa",
-    "F_s",
-    "A_0",
-)
-ALLOWED = "nm, um, mm, cm, m, Å, in"
+VOLTS = ("V", "mV", "volt", "volts")
+OTHERS = (*VOLTS, "ft", "pm", "px", "pixel", "pixels", "deg", "%", "Nm", "Pa", "kPa", "MPa", "F_s", "A_0")
+READ_IN = {
+    **{"N/m": PER_WIDTH, "N": NEWTONS, "F_s": {"F_s": 1.0}},
+    **{"A_0": {"A_0": 1.0}, "s": SECONDS, "nm": LENGTHS},
+}
+ALLOWED = 'nm, um, mm, cm, m, Å, in, or what 1 is, as "0.5 um"'
+FORCES_ALLOWED = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
 RAISED = str.maketrans("⁻¹·*", "-1  ")
 TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
@@ -79,19 +67,49 @@ def parted(cell: str) -> tuple[str, str | None]:
     return ("", plain_unit(cell)) if alone else (cell, None)
 
 
-def factor(unit: str, known: Mapping[str, float] = LENGTHS, allowed: str = ALLOWED, name: str = "unit") -> float:
+def allowed_of(known: Mapping[str, float]) -> str:
+    """The units of a quantity, as a message lists them."""
+    return ALLOWED if "nm" in known else FORCES_ALLOWED if "N" in known else "s, ms, min, h"
+
+
+def factor(unit: str, known: Mapping[str, float] = LENGTHS, name: str = "unit") -> float:
     """How much a unit is, lengths in nm; a number may stand before it, as in "0.5 um".
 
     Raises DataError, which calls it `name`, for another one.
     """
+    times, word = _times_word(unit)
+    if not is_unit(word, known) or not times > 0.0:
+        raise DataError(f"{name} = {str(unit)[:40]!r}; allowed units: {allowed_of(known)}; give one of these")
+    return times * (known[word] if word in known else known[word.lower()])
+
+
+def _times_word(unit):
+    """(number, unit) of "0.5 um"; the number is 1 without one."""
     plain = plain_unit(str(unit)).removeprefix("\ufeff")
     match = TIMES.fullmatch(plain)
-    times, word = (float(match[1]), match[2]) if match else (1.0, plain)
-    if not is_unit(word, known) or not times > 0.0:
-        raise DataError(
-            f"{name} = {str(unit)[:40]!r}; allowed units: {allowed}, or a number of them; give one of these"
-        )
-    return times * (known[word] if word in known else known[word.lower()])
+    return (float(match[1]), match[2]) if match else (1.0, plain)
+
+
+def quantity(unit: str) -> str:
+    """The unit in which a unit is read: N/m, N, F_s, A_0, s or nm; "" for one that is not read."""
+    word = _times_word(unit)[1]
+    return next((name for name, known in READ_IN.items() if is_unit(word, known)), "")
+
+
+def agreed(given: str, own: str | None, known: Mapping[str, float] = LENGTHS, name: str = "unit") -> float:
+    """`factor` of a unit that an argument gives; own: the unit that the file names, or None.
+
+    An argument replaces no unit: raises DataError where both differ, unless `given` says what 1 of the other is, as
+    "10 N" does of V.
+    """
+    size = factor(given, known, name)
+    if own and named_unit(own):
+        same, number = quantity(own) == quantity(given), TIMES.fullmatch(plain_unit(given))
+        remedies = ["leave it out"] if is_unit(own, known) else []
+        remedies.append("correct the file" if same else f'say what 1 {own} is, as "10 {given}"')
+        if (factor(own, known) != size) if same else not number:
+            raise DataError(f"{name} = {given!r}, but the file names {own}; {', or '.join(remedies)}")
+    return size
 
 
 def is_unit(unit: str | None, known: Mapping[str, float] = LENGTHS) -> bool:

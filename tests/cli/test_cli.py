@@ -340,6 +340,8 @@ def test_a_measured_curve_is_compared_once_the_options_that_its_refusal_names_ar
     assert code == 0 and "N/m apart (rms)" in out
     code, _, err = call(*small, "--measured", file, "--kind", "load", "--columns", "q=3")
     assert code == 2 and "columns has 'q'; allowed: U_x, delta" in err
+    code, _, err = call(*small, "--measured", file, "--kind", "load", "--units", "L=N/m")
+    assert code == 2 and "--units L = 'N/m', but the file names N; leave it out" in err
 
 
 def test_a_profile_replaces_the_surface_of_a_preset_but_not_one_that_is_named(tmp_path):

@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [page for page in PAGES if "_build" not in page.parts]
-OPTIONAL = {"distributed", "SurfaceTopography", "xarray"}  # extras, and what `Result.to_xarray` needs
+OPTIONAL = {"distributed", "SurfaceTopography", "afmformats", "xarray"}  # extras, and what `Result.to_xarray` needs
 CODE = re.compile(r"^```(?P<kind>\S*)[^\n]*\n(?P<text>.*?)^```", re.M | re.S)
 
 

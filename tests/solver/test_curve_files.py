@@ -325,7 +325,9 @@ def test_friction_over_time_without_a_speed_is_refused_with_what_the_file_says()
 def test_several_tables_are_asked_for():
     first, second = (table("Time (s),Fx (N/m)", TIMED, k * np.sin(TIMED)) for k in (1.0, 2.0))
     text = f"{first}\n\nStep No. 2\n{second}"
-    with pytest.raises(DataError, match=r"^2 tables, which begin at lines 2, 55; call .*channel=...\)$") as refused:
+    with pytest.raises(
+        DataError, match=r"^2 tables, which begin at lines 2, 55; 'all' .*; call .*channel=...\)$"
+    ) as refused:
         read_measurement(SMALL, text, speed=5.0)
     found = read_measurement(SMALL, text, **filled(refused, channel=2))
     assert found.U_x.size == TIMED.size and found.values["F_bar"] * found.unit == pytest.approx(2.0 * np.sin(TIMED))

@@ -10,8 +10,8 @@ import pytest
 
 from solver import DataError, Profile, Scene, SceneError, load_path, read_profile, simulate
 from solver.analysis.peeling import edges
-from solver.measured.profile import FEWEST_POINTS, MOST_POINTS, STEEPEST
-from solver.measured.tables import MOST_BYTES
+from solver.measured.content import MOST_BYTES
+from solver.measured.periodic import FEWEST_POINTS, MOST_POINTS, STEEPEST
 from solver.scene import LIMITS
 from solver.surfaces import LENGTHS
 from solver.text import number_from_text
@@ -84,7 +84,9 @@ def test_heights_in_angstrom_and_millimetres_are_converted(unit, nm):
 
 @pytest.mark.parametrize("heading", ["x (V),z (nm)", "x/nm,z [uin]", "x (pm),z (nm)", "x/ft z/ft"])
 def test_a_profile_in_an_unknown_unit_is_refused_with_the_known_ones(heading):
-    with pytest.raises(DataError, match=r"^[xz] in '.*'; allowed units: nm, um, mm, cm, m, Å, in; .*units=\{"):
+    with pytest.raises(
+        DataError, match=r"^[xz] in '.*'; allowed units: nm, um, mm, cm, m, Å, in, or what 1 is.*units=\{"
+    ):
         read_profile(table(X, HILLS, heading=f"{heading}\n"))
 
 
@@ -247,7 +249,7 @@ def test_ends_too_far_apart_to_be_joined_are_refused():
     z = np.where(X < 600.0, 0.0, 0.28 * (X - 600.0))
     z[:60] -= 0.28 * (X[60] - X[:60])
     with pytest.raises(
-        DataError, match=r"its ends differ by .* nm; joined over 32 nm .* slope .* allowed: up to 0\.3; .* cut-off"
+        DataError, match=r"its ends, .* nm apart, joined over 32 nm .* slope .* allowed: up to 0\.3; .* cut-off"
     ):
         read_profile(table(X, z))
     assert STEEPEST == 0.3
@@ -488,7 +490,7 @@ def test_a_unit_that_may_be_of_something_else_is_named_in_a_refusal(above):
     with pytest.raises(DataError, match=r"um|µm|'V'|nm") as refused:
         read_profile(f"{above}\n{table(X, HILLS, ',', '')}")
     assert refused.value.call.keys() == {"units"} and len(refused.value.table.columns) == 2
-    units = {name: "nm" if unit is ... else unit for name, unit in refused.value.call["units"].items()}
+    units = {name: "1 nm" if unit is ... else unit for name, unit in refused.value.call["units"].items()}
     assert read_profile(f"{above}\n{table(X, HILLS, ',', '')}", units=units).length == 640.0
 
 
@@ -505,7 +507,7 @@ def test_without_a_unit_a_refusal_asks_for_it(above):
 
 
 def test_a_unit_that_differs_from_that_of_the_file_is_refused():
-    with pytest.raises(DataError, match=r"^unit = 'nm', but the file names um; leave unit out"):
+    with pytest.raises(DataError, match=r"^unit = 'nm', but the file names um; leave it out"):
         read_profile(table(X, HILLS, heading="x (um),z (um)\n"), unit="nm")
 
 

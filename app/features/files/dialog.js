@@ -23,7 +23,7 @@ export async function open(given, { left = 0, ...before } = {}) {
   if (!by("file-of")) connect()
   const mine = ++turn
   file = given
-  chosen = Object.fromEntries(Object.entries(before).filter(([, value]) => value))
+  chosen = Object.fromEntries(Object.entries(before).filter(([, value]) => value || value === 0))
   seen = {}
   show({})
   for (const field of FIELDS) by(`file-${field}`).value = chosen[field] ?? ""
@@ -106,7 +106,7 @@ function show(given) {
   const { kinds = {}, kind = "", channels, lengths, fields = {} } = seen
   fill(by("file-kind"), [["", "choose …"], ...Object.entries(kinds)], kind)
   by("file-kind").parentNode.hidden = !seen.kinds
-  fill(by("file-channel"), [["", "choose …"], ...(channels ?? []).map((name, k) => [k + 1, name])], chosen.channel)
+  fill(by("file-channel"), [["", "choose …"], ...Object.entries(channels ?? {})], chosen.channel)
   by("file-channel").parentNode.hidden = !channels
   fill(by("file-length"), ["", ...(lengths ?? [])].map((unit) => [unit, unit || "choose …"]), chosen.units?.x)
   by("file-length").parentNode.hidden = !lengths
@@ -114,6 +114,7 @@ function show(given) {
     by(`file-${field}`).parentNode.hidden = !fields[field]
     by(`file-${field}`).previousSibling.data = `${fields[field] ?? ""} `
   }
+  if (fields.deflection) by("file-deflection").value = seen.deflection ?? "" // what the file names is filled in
   by("file-smooth").hidden = !seen.cut_off
   tell(by("file-smooth"), seen.cut_off ? `Remove waves shorter than ${seen.cut_off} nm` : "")
   tell(by("file-says"), seen.says ? `${seen.says}.` : "")
@@ -225,6 +226,7 @@ function choosePart() {
 
 function enter(field, { value }) {
   const number = Number(value.replace(",", "."))
+  if (field === "deflection" && !value.trim()) return choose({ deflection: 0 }) // none, whatever the file names
   if (TEXTS.includes(field) || !value.trim()) return choose({ [field]: value.trim() || null })
   if (number > 0) return choose({ [field]: number })
   return say("file-why", `${value} is not allowed: give a number above 0.`)
@@ -248,7 +250,7 @@ function connect() {
       labelled("kind", make("select", { id: "file-kind",
         onchange: ({ target }) => choose({ kind: target.value, columns: null, part: null, sign: null }) })),
       labelled("channel", make("select", { id: "file-channel",
-        onchange: ({ target }) => choose({ channel: Number(target.value) || null, columns: null, part: null }) })),
+        onchange: ({ target }) => choose({ channel: target.value || null, columns: null, part: null }) })),
       labelled("unit of lengths", make("select", { id: "file-length",
         onchange: ({ target }) => choose({ units: { x: target.value } }) })),
       ...FIELDS.map(entryOf)),
@@ -263,6 +265,7 @@ function connect() {
     } }),
     makeButton({ id: "file-use", disabled: true, onclick: use }, "Use it")))
   on("file-of", "close", () => {
+    if (by("file-of").open) return // another file was dropped before this event
     file = null
     turn++
     by("file-rows").dataset.key = ""

@@ -8,7 +8,7 @@ from typing import Any
 from cachetools import LRUCache
 
 from app import interface
-from app.features.files import tasks
+from app.features.files import comparing, tasks
 from app.service.requests import Requests
 from app.service.tasks import READING
 from app.session import orders
@@ -16,7 +16,7 @@ from app.session.controls import refuse_large
 from app.session.orders import order
 from app.session.run import Request
 from solver import DataError, Profile, Scene, SceneError
-from solver.measured.tables import MOST_BYTES
+from solver.measured.content import MOST_BYTES
 
 Kept = tuple[bytes, dict[str, Any]]  # content of a file, and the arguments of `read_measurement` that read it
 SLOW = 3 * READING  # s for a file of MOST_BYTES, which is read three times
@@ -58,7 +58,7 @@ class Feature(interface.Feature):
         "seen": "got (bytes), or turn and file: what `tasks.look` returns, and used (its kind)",
         "laid": "a measured curve: curve, key",
         "compare": "compares the curve: content (curves of the run), stages, force, width",
-        "compared": "what `tasks.compare` returns",
+        "compared": "what `comparing.compare` returns",
         "forget": "keep no measured curve",
     }
     READS = frozenset({"profile"})
@@ -69,7 +69,7 @@ class Feature(interface.Feature):
         self.comparing = Requests(session)
         self.pieces: list[bytes] = []
         self.content, self.key = b"", ""
-        self.curve: tasks.Curve | None = None
+        self.curve: comparing.Curve | None = None
 
     @classmethod
     def scene_of(cls, scene: Scene, entries: dict[str, str], notes: list[str]) -> Scene:
@@ -114,8 +114,7 @@ class Feature(interface.Feature):
         units=are_units,
         sign=are_signs,
         part=is_part,
-        channel=orders.is_whole,
-        **dict.fromkeys(("line", "spacing"), orders.is_text),
+        **dict.fromkeys(("channel", "line", "spacing"), orders.is_text),
         **dict.fromkeys(("cut_off", "speed", "deflection"), orders.is_number),
     )
     def choose(self, turn: int, use: bool = False, **chosen: Any) -> None:
@@ -151,7 +150,7 @@ class Feature(interface.Feature):
         if curve.kind in ("friction", "loop") and curve.units.get("F") != "N":
             self.key = secrets.token_urlsafe(9)
             _kept[self.key] = content, curve.options
-        self.session.send("laid", curve=tasks.shown(curve), key=self.key)
+        self.session.send("laid", curve=comparing.shown(curve), key=self.key)
 
     @order(
         "compare",
@@ -164,7 +163,7 @@ class Feature(interface.Feature):
         """Compare the curve with the run whose curves these are."""
         if self.curve is None:
             return
-        call = tasks.compare, self.curve, content, tuple(stages), force, width
+        call = comparing.compare, self.curve, content, tuple(stages), force, width
         failed = {"why": "the curve could not be compared with this run"}
         self.comparing.ask(call, lambda made: self.session.send("compared", **(made or failed)), private=True)
 

@@ -10,7 +10,7 @@ import { choose as chooseCurve, seeMore } from "../../static/js/view.js"
 
 const DRAWN = 150 // points at most: more of them hide the run
 const PARTS = { F: "forces", L: "forces", A: "area" } // the chart of a quantity
-const COLUMNS = ["stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"] // as tasks.COLUMNS
+const COLUMNS = ["stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"] // as comparing.COLUMNS
 const PAUSE = 400 // ms between two comparisons in a drag, whose predictions need the workers
 const BEYOND = 0.1 // of the points beyond the run, from which on the curve is drawn in its own range, too
 const AXES = { U_x: "Uₓ", delta: "δ", F: "F", L: "L", A: "A" }

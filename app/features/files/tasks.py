@@ -1,24 +1,24 @@
-"""Reads the file of a visitor as it is chosen, and compares a measured curve with a run, for workers."""
+"""Reads the file of a visitor as it is chosen, for workers."""
 
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from app.features.files.comparing import Curve, curve_of, rounded
 from app.service import worker
 from app.service.tasks import MEMORY
 from solver import DataError, Profile, Scene, read_profile
-from solver.measured import curves, profile
+from solver.measured import profile, roles
 from solver.measured.columns import recognised
-from solver.measured.comparison import NoStage, compared, unit_in
-from solver.measured.curves import MEANT, SURE, quantity_of, read_measurement
+from solver.measured.curves import read_measurement
+from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
-from solver.measured.recording import KINDS as OVER
-from solver.measured.tables import SHOWN, Block, Table, read_table
+from solver.measured.periodic import proposed
+from solver.measured.roles import NAMED
+from solver.measured.said import lever_in
+from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import units_above
-from solver.run.frame import Stage
-from solver.surfaces import FEWEST_POINTS
 
 NEEDED = "columns of numbers: x and z of a surface, or two quantities of a curve"
 SURFACE = "surface"
@@ -37,21 +37,20 @@ LENGTH, FORCE = ("nm", "um", "mm", "m", "Å", "in"), ("N/m", "mN/mm", "N", "mN",
 UNITS: dict[str, tuple[str, ...]] = dict.fromkeys(("x", "z", "U_x", "delta"), LENGTH) | dict.fromkeys("FL", FORCE)
 UNITS |= {"A": (*LENGTH, "A_0"), "time": ("s", "ms", "min", "h")}
 ROLES = tuple(UNITS)
-DRAWN, LAID, COMPARED = 400, 500, 5000  # points of a drawing; of a curve that the page draws; that are compared
-FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
+DRAWN = 400  # points of a drawing
 FAR = 60.0  # nm: of a longer load, which no run covers, the part from the contact on is proposed
 LEFT, STEADY = 6.0, 5  # scatters by which a load has left its line, for so many points
 CUT_OFF = {"cut_off": "remove waves shorter than (nm)"}
 SPACING = {"spacing": "distance of the rows, such as 0.5 um, where no column is x"}
 LINE = {"line": "line of a map, such as row 12 or column 12"}
-COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  # of a run, as the page sends them
 
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
     """What a visitor has chosen of a file.
 
-    columns: {quantity: index of a column}; part: (from, to), fractions of the whole; channel: a number from 1 on.
+    columns: {quantity: index of a column}; part: (from, to), fractions of the whole; channel: a number from 1 on,
+    or "all"; deflection: 0 for none, None for what the file names.
     """
 
     kind: str = ""
@@ -60,25 +59,11 @@ class Chosen:
     sign: dict[str, float] = field(default_factory=dict)
     part: tuple[float, float] | None = None
     cut_off: float | None = None
-    channel: int | None = None
+    channel: str | None = None
     speed: float | None = None
     deflection: float | None = None
     line: str | None = None
     spacing: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """A measured curve to be compared; attributes as of a Recording. options: arguments that read it from its file."""
-
-    kind: str
-    over: str
-    segments: tuple[Any, ...]
-    units: dict[str, str]
-    free: bool
-    virgin: bool
-    notes: tuple[str, ...]
-    options: dict[str, Any]
 
 
 def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], Profile | Curve | None]:
@@ -90,10 +75,10 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
     seen: dict[str, Any] = {"kinds": KINDS, "kind": chosen.kind, "says": "", "why": "", "fields": {}}
     try:
         with worker.bounded_memory(MEMORY):
-            if is_instruments(content):
+            if is_instruments(content) and not is_force_curve(content):
                 seen |= {"kind": SURFACE, "kinds": {SURFACE: KINDS[SURFACE]}, "fields": LINE | CUT_OFF}
                 return seen, _surface(scene, content, None, chosen, seen)
-            block = read_table(content, NEEDED, chosen.channel)
+            block = read_block(content, NEEDED, chosen.channel)
             return seen, _of_table(scene, block, chosen, seen)
     except DataError as error:
         other = KINDS.get(f"{error.call.get('kind')}", "")  # which the reader is certain of
@@ -118,12 +103,12 @@ def _of_table(scene, block, chosen, seen):
     """Read a Block; fills `seen`."""
     table = block.table
     kind = chosen.kind or _kind(table, chosen.columns)
-    roles = [*dict.fromkeys(role for side in SIDES[kind] for role in side), *BESIDE.get(kind, ())] if kind else ROLES
-    columns = {role: k for role, k in chosen.columns.items() if role in roles and 0 <= k < len(table.columns)}
+    meant = [*dict.fromkeys(role for side in SIDES[kind] for role in side), *BESIDE.get(kind, ())] if kind else ROLES
+    columns = {role: k for role, k in chosen.columns.items() if role in meant and 0 <= k < len(table.columns)}
     columns = columns if chosen.columns else _columns(table, kind)
     above = units_above(table.above) if kind == SURFACE else {}
     units = {role: table.columns[k].unit or above.get(role) or "" for role, k in columns.items()} | chosen.units
-    seen |= {"kind": kind, "roles": roles, "known": {role: UNITS[role] for role in roles}, "columns": columns}
+    seen |= {"kind": kind, "roles": meant, "known": {role: UNITS[role] for role in meant}, "columns": columns}
     seen |= {"units": units, "table": _shown(table), "drawn": _raw(block, columns, kind)}
     if not kind:
         raise DataError("choose what kind of data this is")
@@ -137,31 +122,19 @@ def _of_table(scene, block, chosen, seen):
 
 def _kind(table, columns):
     """The kind of a table, where names or the chosen columns {role: index} tell it for certain; else ""."""
-    surface, curve = recognised(table, profile.NAMED)[0], recognised(table, curves.NAMED)[0]
     if columns:
         chosen = [kind for kind, sides in SIDES.items() if kind and all(set(side) & columns.keys() for side in sides)]
         return chosen[0] if chosen else ""
-    found = next((kind for kind, x, y in SURE if {*x} & curve.keys() and {*y} & curve.keys()), "")
-    profiled = "x" in surface and bool({"z", "y"} & surface.keys())
+    found, named = roles.proposed(table)[0], any(column.name for column in table.columns)
+    profiled = named and {"x", "z"} <= profile.named(table).keys()
     return "" if found and profiled else SURFACE if profiled else found
 
 
 def _columns(table, kind):
     """{role: index} of the columns that names tell."""
-    if kind in ("", SURFACE):
-        known = recognised(table, profile.NAMED)[0] if kind else {}
-        if kind and len(table.columns) == 2 and not any(column.name for column in table.columns):
-            known = {"x": 0, "z": 1}
-        known = known or ({"z": 0} if kind and len(table.columns) == 1 else {})
-        z = known.get("z", known.get("y"))
-        return {role: k for role, k in (("x", known.get("x")), ("z", z)) if k is not None}
-    known, found = recognised(table, curves.NAMED)[0], {}
-    kind = "friction" if kind == "loop" else kind
-    for side in MEANT[kind]:
-        role = next((role for role in side if role in known), None)
-        found |= {quantity_of(role, kind): known[role]} if role else {}
-    beside = {role: known.get(role, known.get(f"{role}_bar")) for role in BESIDE.get(kind, ())}
-    return found | {role: k for role, k in beside.items() if k is not None}
+    if kind == SURFACE:
+        return profile.named(table) or ({"z": 0} if len(table.columns) == 1 else {})
+    return roles.proposed(table, kind)[1] if kind else {}
 
 
 def _shown(table: Table) -> dict[str, Any]:
@@ -196,10 +169,6 @@ def _drawn(x, y, unit):
     return {"x": x[::every].tolist(), "y": y[::every].tolist()} | extent
 
 
-def _rounded(value, digits=3):
-    return f"{float(f'{value:.{digits}g}'):,.10g}"
-
-
 def _surface(scene, source, columns, chosen, seen):
     """The Profile of a Block, or of the content of an instrument's file."""
     how = {"unit": chosen.units.get("x"), "channel": chosen.channel, "line": chosen.line}
@@ -209,35 +178,26 @@ def _surface(scene, source, columns, chosen, seen):
         how["units"] |= {"x": chosen.spacing} if "x" not in columns else {}
     trace = profile.read_trace(source, **how)
     x = trace.x - trace.x[0]
-    part = chosen.part or _middle(x)
+    part = chosen.part or tuple(at / x[-1] for at in proposed(trace))
     seen |= {"drawn": _drawn(x, trace.z, "nm"), "part": part, "fields": seen["fields"] | CUT_OFF}
     within = None if part == (0.0, 1.0) else (part[0] * x[-1], part[1] * x[-1])
     made = read_profile(source, part=within, cut_off=chosen.cut_off, **how)
-    used, apart = f" of {_rounded(x[-1], 4)} nm" if within else "", _rounded(made.length / scene.nodes)
+    used, apart = f" of {rounded(x[-1], 4)} nm" if within else "", rounded(made.length / scene.nodes)
     seen["says"] = (
-        f"{_rounded(made.length, 4)} nm{used} long, {_rounded(np.ptp(made.z))} nm high, {made.z.size:,} points; "
+        f"{rounded(made.length, 4)} nm{used} long, {rounded(np.ptp(made.z))} nm high, {made.z.size:,} points; "
         f"{scene.nodes:,} nodes lie {apart} nm apart, which is the lattice period"
     )
     return made
 
 
-def _middle(x):
-    """The part of a profile that is proposed: of a long one that in the middle, which nodes resolve."""
-    length = x[-1]
-    if length <= profile.LONG:
-        return 0.0, 1.0
-    half = 0.5 * min(length, max(profile.PART, 2 * FEWEST_POINTS * length / (x.size - 1))) / length
-    return 0.5 - half, 0.5 + half
-
-
 def _curve(scene, block, columns, chosen, seen):
     """The Curve of a Block."""
     derived = seen["kind"] if chosen.columns and seen["kind"] != "friction" else None
-    options = {"kind": chosen.kind or derived, "speed": chosen.speed, "deflection": chosen.deflection}
+    options = {"kind": chosen.kind or derived, "speed": chosen.speed}
     options |= {"channel": chosen.channel, "sign": chosen.sign, "units": {}}
     seen["fields"] = {"speed": "speed (nm/s)"} if "time" in columns else {}
     if chosen.columns:
-        bars = recognised(block.table, curves.NAMED)[0]
+        bars = recognised(block.table, NAMED)[0]
         named = {f"{role}_bar" if bars.get(f"{role}_bar") == k else role: k for role, k in columns.items()}
         options["columns"] = dict.fromkeys(("U_x", "time", "F", "L", "A")) | {name: k + 1 for name, k in named.items()}
     options["units"] = {role: unit for role, unit in chosen.units.items() if role in columns}
@@ -249,6 +209,9 @@ def _curve(scene, block, columns, chosen, seen):
         raise
     if read.kind == "load" and read.units["L"] == "N":
         seen["fields"] = {"deflection": "stiffness of the lever (N/m), to take its deflection off δ"}
+        named = lever_in(block.table, columns["delta"])
+        seen["deflection"] = options["deflection"] = (named if chosen.deflection is None else chosen.deflection) or None
+        read = read_measurement(scene, block, **options)
     x = np.concatenate([each.x for each in read.segments])
     main = "A" if read.kind.startswith("area") else next(iter(read.segments[0].values))
     y = np.concatenate([each.values[main] for each in read.segments])
@@ -257,12 +220,12 @@ def _curve(scene, block, columns, chosen, seen):
     unit = read.units[read.over]
     seen |= {"kind": next(kind for kind in (read.kind, "area") if kind in KINDS), "drawn": _drawn(x, y, unit)}
     seen |= {"part": part}
-    text = f"{SAID.get(read.kind, read.kind)}, {_rounded(high - low)} {unit}"
+    text = f"{SAID.get(read.kind, read.kind)}, {rounded(high - low)} {unit}"
     if part != (0.0, 1.0):
         options["part"] = tuple(low + at * (high - low) for at in part)
         read = read_measurement(scene, block, **options)
-        text += f", {_rounded((part[1] - part[0]) * (high - low))} {unit} of it used"
-    made = _made(read, {name: value for name, value in options.items() if value})
+        text += f", {rounded((part[1] - part[0]) * (high - low))} {unit} of it used"
+    made = curve_of(read, {name: value for name, value in options.items() if value})
     seen["says"] = f"{text}, {sum(each.x.size for each in read.segments):,} points"
     return made
 
@@ -281,83 +244,3 @@ def _from_contact(read, x):
     k = int(np.argmax(steady)) if steady.any() else 0
     low = max(0.0, float((far[k] - x.min()) / span) - 0.005)
     return (0.0, 1.0) if low > 0.98 else (low, 1.0)
-
-
-def _made(read, options):
-    """The Curve of a Measurement or Recording, thinned out to what is compared, without holds."""
-    moving = [each for each in read.segments if each.name != "hold"]
-    largest = max(float(np.abs(y).max()) for each in moving for y in (each.x, *each.values.values()))
-    if largest > FARTHEST:
-        raise DataError(f"a number of {largest:.3g}; allowed: {FARTHEST:g} nm, N or N/m at most; check the units")
-    every = 1 + sum(each.x.size for each in moving) // COMPARED
-    thin = lambda y: y[::every]  # noqa: E731
-    segments = tuple(
-        each._replace(x=thin(each.x), values={name: thin(y) for name, y in each.values.items()}) for each in moving
-    )
-    units = {name: read.units[name] for name in (OVER[read.kind], *segments[0].values)}
-    return Curve(read.kind, OVER[read.kind], segments, units, read.free, read.virgin, read.notes, options)
-
-
-def shown(curve: Curve) -> dict[str, Any]:
-    """Return a Curve as the page draws it."""
-    every = 1 + sum(each.x.size for each in curve.segments) // LAID
-    segments = [
-        {name: y[::every].tolist() for name, y in ({"x": each.x} | each.values).items()} for each in curve.segments
-    ]
-    made = {"kind": curve.kind, "over": curve.over, "units": curve.units, "segments": segments}
-    return made | {"notes": " ".join(curve.notes)}
-
-
-def _run(content, stages, force, width):
-    """What a Curve is compared with, from the curves of a run; raises ValueError, LookupError or ArithmeticError."""
-    rows = np.frombuffer(content, "<f4").reshape(len(COLUMNS), -1).astype(float).tolist()
-    names, (slips, at, F_slip) = [Stage(stages[int(k)].split(" ")[-1]) for k in rows[0]], rows[6:]
-    frames = [
-        SimpleNamespace(stage=stage, U_x=U_x, delta=delta, F=F, L=L, A=A)
-        for stage, U_x, delta, F, L, A in zip(names, *rows[1:6], strict=True)
-    ]
-    first = next((k for k, stage in enumerate(names) if stage.moves == "U_x" and slips[k]), None)
-    slip = None if first is None else SimpleNamespace(U_s=at[first], F_s=F_slip[first])
-    return SimpleNamespace(scene=SimpleNamespace(width=width, E=force / width), frames=frames, first_slip=slip)
-
-
-def _own_range(curve, run, error):
-    """Why a Curve and a run cannot be compared: one is longer; else the reason of the error."""
-    here, there = (
-        float(np.ptp(values))
-        for values in (
-            np.concatenate([each.x for each in curve.segments]),
-            [getattr(frame, curve.over) for frame in run.frames],
-        )
-    )
-    if curve.over in "FL" or here <= there:
-        return f"{error}".partition(";")[0]
-    return f"{_rounded(here)} nm here, {_rounded(there)} nm in the run"
-
-
-def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float, width: float) -> dict[str, Any]:
-    """Return how far a Curve and a run are apart, and {quantity: [factor, zero]} that bring it into the run's units.
-
-    content: COLUMNS of a run, float32; stages: their names; force: w E, N/m; width: w, nm. `why`: what keeps them from
-    being compared, and `path`: a kind of path whose runs can be.
-    """
-    try:
-        run = _run(content, stages, force, width)
-    except (ValueError, LookupError, ArithmeticError):
-        return {"why": "the run did not arrive whole; load the page again"}
-    points = sum(each.x.size for each in curve.segments)
-    try:
-        found = compared(curve, run)
-    except NoStage as error:
-        return {"path": error.path}
-    except ValueError as error:
-        return {"why": f"{_own_range(curve, run, error)}, so it is drawn in its own range"}
-    scaled = [name for name, unit in curve.units.items() if unit == "N"]
-    units = {name: unit_in(unit, run) for name, unit in curve.units.items()}
-    set_to = {name: [units[name], 0.0] for name in curve.units}
-    set_to |= {name: [found.scale, found.zero] for name in scaled}
-    if found.shift:
-        set_to[curve.over] = [1.0, found.shift]
-    at = [row[1] for row in found.rows]
-    made = {"set": set_to, "outside": found.outside, "points": points, "rms": found.rms, "noise": found.noise}
-    return made | {"units": found.units, "low": min(at), "high": max(at)}

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from app.features.files.comparing import COLUMNS, LAID, compare, shown
 from app.features.files.feature import kept
-from app.features.files.tasks import COLUMNS, LAID, Chosen, compare, look, shown
+from app.features.files.tasks import Chosen, look
 from solver import Scene, simulate
 from solver.measured.curves import read_measurement
 
@@ -59,6 +60,32 @@ def test_what_a_table_tells_is_filled_in_and_what_it_does_not_tell_is_asked():
     assert list(seen["fields"]) == ["deflection"]
 
 
+def jpk(key, name="height"):
+    """An approach as a program of an AFM exports it, with a spring of 0.5 N/m."""
+    head = f"# {key}\n# segment: extend\n# columns: {name} vDeflection\n# units: m N\n"
+    return (head + "\n".join(f"{1e-6 - 1e-9 * x:.6e} {1e-9 * x:.6e}" for x in range(31))).encode()
+
+
+SPRINGS = ("springConstant: 0.5", "Spring Constant (N/m): 0.5", "spring constant = 500 pN/nm")
+
+
+@pytest.mark.parametrize("key", SPRINGS)
+def test_a_stiffness_of_the_lever_that_the_file_names_is_filled_in_and_can_be_removed(key):
+    seen, curve = look(Scene(), jpk(key), Chosen())
+    assert seen["deflection"] == 0.5 and curve.options["deflection"] == 0.5
+    taken_off = curve.segments[0].x - curve.segments[0].x[0]
+    assert taken_off[-1] == pytest.approx(30.0 - 1e9 * 30e-9 / 0.5)
+    seen, curve = look(Scene(), jpk(key), Chosen(deflection=0))
+    assert seen["deflection"] is None and np.ptp(curve.segments[0].x) == pytest.approx(30.0)
+    assert look(Scene(), jpk(key), Chosen(deflection=2.0))[0]["deflection"] == 2.0
+
+
+def test_the_lever_is_not_taken_off_a_separation_or_in_an_unknown_unit():
+    for file in (jpk("springConstant: 0.5", "tipSampleSeparation"), jpk("springConstant: 0.5 V/nm")):
+        seen, curve = look(Scene(), file, Chosen())
+        assert seen["deflection"] is None and np.ptp(curve.segments[0].x) == pytest.approx(30.0)
+
+
 def test_friction_over_time_asks_for_the_speed_and_uses_it():
     rows = text("time (s),friction (N/m)", U_X, U_X)
     seen, curve = look(Scene(), rows, Chosen())
@@ -78,9 +105,16 @@ def test_a_loop_that_is_read_as_one_pull_names_the_kind_to_choose():
 def test_tables_of_one_file_are_offered_and_the_chosen_one_is_read():
     both = b"\n\n".join([FRICTION, text("U_x (nm),F (N/m)", U_X, 5.0 * U_X)])
     seen, curve = look(Scene(), both, Chosen())
-    assert curve is None and seen["channels"] == ("table from line 2", "table from line 35")
-    _, curve = look(Scene(), both, Chosen(channel=2))
+    named = {"1": "table from line 2", "2": "table from line 35", "all": "all, as one table"}
+    assert curve is None and seen["channels"] == named
+    _, curve = look(Scene(), both, Chosen(channel="2"))
     assert curve.segments[0].values["F"][-1] == pytest.approx(30.0)
+
+
+def test_pages_of_one_table_are_read_as_one():
+    pages = b"\n\n".join([FRICTION, text("U_x (nm),F (N/m)", 6.0 + U_X, 3.0 * U_X)])
+    seen, curve = look(Scene(), pages, Chosen(channel="all"))
+    assert "62 points" in seen["says"] and curve.segments[0].x[-1] == pytest.approx(12.0)
 
 
 def test_of_a_long_load_the_part_from_the_contact_on_is_proposed():

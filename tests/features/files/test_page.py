@@ -121,7 +121,8 @@ def test_what_is_no_measurement_is_refused_in_a_sentence_and_the_run_stays(visit
     page.locator("#file-why", has_text=said).wait_for()
     assert page.locator("#file-use").is_disabled()
     page.keyboard.press("Escape")
-    assert page.evaluate("punch.run.number") == 1 and page.evaluate("document.activeElement.id") == "menu"
+    page.wait_for_function("document.activeElement.id === 'menu'")
+    assert page.evaluate("punch.run.number") == 1
 
 
 @pytest.mark.thorough
@@ -156,6 +157,25 @@ def test_a_file_of_many_pieces_is_read(visit):
     page = visit("?u_x_max=4")
     drop(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{k / 1e4:.5f},{k % 97}" for k in range(1, 160_000)), "long.csv")
     page.locator("#file-says", has_text="159,999 points").wait_for()
+
+
+@pytest.mark.thorough
+def test_a_file_that_is_dropped_as_the_dialog_closes_is_read(visit):
+    page = visit("?u_x_max=4")
+    drop(page, "U_x (nm),F (N/m)\n" + "\n".join(f"{k},{k % 7}" for k in range(40)), "first.csv")
+    # its event `close` comes after the drop
+    page.evaluate(DROP.replace("{", "{ document.getElementById('file-of').close()\n", 1), ["second.csv", "1,2\n", 40])
+    page.locator("#file-why", has_text="what kind of data").wait_for()
+
+
+@pytest.mark.thorough
+def test_pages_of_one_table_are_chosen_in_the_menu_of_channels(visit):
+    page = visit("?u_x_max=4")
+    half = [f"{k},{k % 7}" for k in range(80)]
+    drop(page, "\n".join(["U_x (nm),F (N/m)", *half[:40], "", "U_x (nm),F (N/m)", *half[40:]]))
+    page.locator("#file-why", has_text="2 tables").wait_for()
+    page.get_by_label("channel").select_option("all, as one table")
+    page.locator("#file-says", has_text="80 points").wait_for()
 
 
 @pytest.mark.thorough
@@ -238,6 +258,20 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
     page.get_by_role("button", name="Compute that path").click()
     page.wait_for_function("punch.status.values.path === 'unload' && charts.forces.parts.laid_L.y.length")
     page.wait_for_function("Math.abs(punch.laid.apart.set.delta[1] - 250) < 0.2")
+
+
+@pytest.mark.thorough
+def test_the_stiffness_of_a_lever_that_the_file_names_is_in_its_field_and_stays_removed(visit):
+    page = visit(ADDRESS)
+    rows = "\n".join(f"{1e-6 - 1e-9 * x:.6e} {1e-9 * x:.6e}" for x in range(31))
+    drop(page, f"# springConstant: 2\n# segment: extend\n# columns: height vDeflection\n# units: m N\n{rows}")
+    lever = page.get_by_label("stiffness of the lever (N/m)")
+    assert lever.input_value() == "2"
+    page.locator("#file-says", has_text="over approach, 15 nm,").wait_for()
+    lever.fill("")
+    lever.press("Enter")
+    page.locator("#file-says", has_text="over approach, 30 nm,").wait_for()
+    assert lever.input_value() == ""
 
 
 @pytest.mark.thorough

@@ -58,10 +58,16 @@ def test_an_uploaded_text_is_never_taken_for_the_name_of_a_file(tmp_path):
 def test_a_file_that_fills_the_memory_is_refused_by_a_worker_that_lives(monkeypatch):
     if not sys.platform.startswith("linux"):
         pytest.skip("the memory of a process is bounded on Linux only")
-    monkeypatch.setattr(tasks, "read_table", lambda *how: np.empty(2 * tasks.MEMORY // 8))
+    monkeypatch.setattr(tasks, "read_block", lambda *how: np.empty(2 * tasks.MEMORY // 8))
     seen, found = tasks.look(SHORT, b"1,2", tasks.Chosen())
     assert found is None and "takes too much memory" in seen["why"]
     assert np.empty(2 * tasks.MEMORY // 8).size  # the bound is gone
+
+
+def test_of_three_columns_the_coordinate_y_is_not_proposed_as_height():
+    rows = "\n".join(f"{k},{0.1 * np.sin(k / 9)},{k % 7}" for k in range(60))
+    seen, found = tasks.look(SHORT, f"X (um),Y (um),Intensity (V)\n{rows}".encode(), tasks.Chosen(kind="surface"))
+    assert found is None and seen["columns"] == {"x": 0} and "column of z" in seen["why"]
 
 
 SHORT = Scene(nodes=256, width=625.0, radius=10.0, u_x_max=6.0)

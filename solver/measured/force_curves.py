@@ -1,0 +1,96 @@
+"""Force curves in the files of atomic force microscopes, read by the package afmformats: JPK, Asylum, its own HDF5.
+
+It is imported only for such a file, and needs `pip install "mixed-mode-contact[instruments]"`.
+"""
+
+import logging
+import struct
+import warnings
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from ..surfaces import DataError
+from .content import Source, content_of
+from .instruments import INSTALL, is_instruments
+from .tables import FIRST, Block, Column, Table, index_of, range_of, table_in
+
+FORMATS = {  # what the beginning and words of a file tell: how the name of such a file ends
+    ".jpk-force": (b"PK", b"segments/", b"header.properties"),
+    ".h5": (b"\x89HDF", b"imaging mode"),
+    ".ibw": (b"\5\0", b"SpringConstant", b"Defl"),
+}
+THIRD = 140  # place of the third size in an Igor wave: an image has channels there, a curve has 0
+ANOTHER = (
+    "this is no table in text, and no force curve of a known format; export it as CSV; read_profile reads surfaces"
+)
+
+
+def read_block(source: Source, needed: str, channel: str | int | None = None) -> Block:
+    """The Block of a force curve, or of a table in text as `read_table` finds it; raises DataError."""
+    content = content_of(source)
+    if is_force_curve(content):
+        return _of_microscope(content, channel)
+    if is_instruments(content):
+        raise DataError(ANOTHER)
+    return table_in(content, needed, channel)
+
+
+def is_force_curve(content: str | bytes) -> bool:
+    """Whether a file holds force curves in one of FORMATS."""
+    return isinstance(content, bytes) and _ending(content) is not None
+
+
+def _ending(content):
+    """How the name of a file of force curves ends; None for another file."""
+    for ending, (beginning, *words) in FORMATS.items():
+        if content.startswith(beginning) and all(word in content for word in words):
+            image = ending == ".ibw" and struct.unpack_from("<i", content, THIRD)[0] > 0
+            return None if image else ending
+    return None
+
+
+def _of_microscope(content, channel):
+    """The Block of one of the curves in a file; raises DataError."""
+    try:
+        import afmformats
+        from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
+    except ImportError:
+        raise DataError(INSTALL) from None
+    ArchiveCache.max_archives = 1  # else the files of 32 visitors stay open
+    logging.getLogger("afmformats").setLevel(logging.CRITICAL)  # a file that cannot be read is no error of the server
+    with TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        path = Path(folder) / f"curve{_ending(content)}"
+        path.write_bytes(content)
+        try:
+            curves = afmformats.load_data(path)
+            names = [f"curve {k}" for k in range(1, len(curves) + 1)]
+            return _block(curves, index_of(names, channel, "force curves"))
+        except DataError:
+            raise
+        except (Exception, afmformats.errors.MissingMetaDataError) as error:  # the latter is no Exception
+            reason = " ".join(f"{error}".split())[:120]
+            why = 'export columns of it as text, and say what 1 V is, as in units={"L": "500 nN"}'
+            raise DataError(f"no force in N can be read ({reason}); {why}") from None
+
+
+def _block(curves, index):
+    """A curve as a Block, in N and m."""
+    from afmformats.afm_data import column_units
+
+    curve = curves[index]
+    # of other modes, numbers count segments: 1 is no retraction
+    segmented = curve.modality == "force-distance" and np.ptp(curve["segment"]) > 0
+    names = [name for name in curve.columns if name != "segment" or segmented]
+    cells = [np.asarray(curve[name], np.float64) for name in names]
+    columns = tuple(
+        Column(name, column_units.get(name) or None, *range_of(own)) for name, own in zip(names, cells, strict=True)
+    )
+    spring = curve.metadata.get("spring constant")
+    above = (f"spring constant: {spring:.6g} N/m",) if spring else ()
+    first = tuple(tuple(f"{own[k]:.6g}" for own in cells) for k in range(min(FIRST, cells[0].size)))
+    notes = (f"Force curve {index + 1} of {len(curves)}.",) if len(curves) > 1 else ()
+    table = Table(columns, first, above, cells[0].size)
+    return Block(table, cells, np.arange(1, cells[0].size + 1), notes)

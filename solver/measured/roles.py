@@ -1,0 +1,217 @@
+"""Which columns of a table are those of a measured curve, and in which units: what is not certain is asked for."""
+
+import re
+from contextlib import suppress
+from types import SimpleNamespace
+
+from ..surfaces import DataError
+from .columns import asked, called, checked, given, plain, recognised
+from .tables import SHOWN, Table
+from .units import LENGTHS, NEWTONS, PER_WIDTH, SECONDS, agreed, allowed_of, factor, is_unit, named_unit, quantity
+
+NEEDED_BY = {
+    "friction": "U_x and F of friction, or time and F with a speed",
+    "load": "delta and L of a load",
+    "area": "A over F, L or U_x",
+}
+NEEDED = "; ".join(NEEDED_BY.values())
+KINDS = ("friction", "loop", "load", "area")
+ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
+NAMED = {  # what a heading may say, in small letters without blanks and signs
+    "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
+    # along the surface or into it: the other column or `kind` tells
+    "displacement": ("displacement", "position", "extension", "crosshead", "distance"),
+    "F_bar": ("fbar",),
+    "F": ("fx", "fy", "ff", "ft", "friction", "frictionforce", "tangentialforce", "lateralforce", "shearforce"),
+    "force": ("f", "force"),  # F beside U_x or an area; L beside delta or a height
+    "L_bar": ("lbar",),
+    "L": ("l", "fz", "fn", "load", "normalload", "normalforce", "verticaldeflection", "vdeflection"),
+    "A_bar": ("abar",),
+    "A": ("a", "area", "contactarea", "realcontactarea"),
+    "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
+    "height": ("height", "heightmeasured"),  # falls as delta grows, and has the lever in it
+    "gap": ("gap", "separation", "tipsampleseparation"),  # falls as delta grows
+    "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
+    "time": ("time", "t", "times", "elapsedtime", "seriestime"),
+    "stage": ("stage",),
+    "segment": ("segment", "phase"),
+}
+SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
+DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
+SURE = (  # kind, over one of, one of; the first that a heading names is meant
+    ("friction", ("U_x",), (*FORCES, "force")),
+    ("friction", ("displacement",), FORCES),
+    ("load", DEEP, (*LOADS, "force")),  # where no friction force is named
+    ("friction", ("time",), FORCES),
+    ("area", ("U_x", *FORCES, "force", *LOADS), AREAS),
+)
+MEANT = {  # the same where `kind` is given
+    "friction": (("U_x", "displacement", "time"), (*FORCES, "force")),
+    "load": ((*DEEP, "displacement"), (*LOADS, "force")),
+    "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
+}
+FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
+UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
+
+
+def quantity_of(role: str, kind: str) -> str:
+    """What a column of that role is in a curve of that kind."""
+    if role in ("height", "gap", "position") or (role == "displacement" and kind == "load"):
+        return "delta"
+    if role == "force":
+        return "L" if kind == "load" else "F"
+    return "U_x" if role == "displacement" else role.removesuffix("_bar")
+
+
+def proposed(table: Table, kind: str = "") -> tuple[str, dict[str, int]]:
+    """(the kind of a curve, "" where it is not certain; {quantity: index} of the columns that names tell)."""
+    roles = Roles(table, SimpleNamespace(kind=kind or None, columns=None, units=None, speed=None, force=None))
+    with suppress(DataError):
+        roles.find(None)
+    return kind or roles.kind, roles.of
+
+
+class Roles:
+    """The columns of a curve. Raises DataError where they are not certain, or without a unit.
+
+    how: the arguments of `read_measurement`. kind: "friction" (a loop as well), "load" or "area". of: {quantity: index
+    of its column}; over: the first quantity. role: {quantity: what its heading says it is}; own: {index: the same}, of
+    all columns; known: {role: index}. scaled: {quantity: (factor, unit of what is read)}. notes: what is left out,
+    `noted` of it by role, and units as given.
+    """
+
+    def __init__(self, table: Table, how: SimpleNamespace) -> None:
+        self.table, self.how = table, how
+        recognised_ones, self.several = recognised(table, NAMED)
+        self.given = given(table, how.columns, ROLES)
+        how.units = checked("units", how.units, ROLES)
+        self.own = {k: role for role, k in recognised_ones.items()}
+        self.known = {role: k for role, k in (recognised_ones | self.given).items() if k is not None}
+        self.of: dict[str, int] = {}
+        self.noted: tuple[str, ...] = ()
+        self.notes: list[str] = []
+        self.kind = ""
+
+    def find(self, sliding: bool | None) -> str:
+        """Set the rest, and return the kind.
+
+        sliding: whether a column `stage` has stages that slide; None without one.
+        """
+        self.kind, self.role = self._kind(sliding)
+        self.of = {name: self.known[role] for name, role in self.role.items()}
+        heading = self.heading("delta") if "delta" in self.of else None
+        if heading in ("height", "gap", "position"):  # also one that an argument calls delta
+            self.role["delta"] = heading
+        self.over = next(iter(self.of))
+        self.scaled = {name: scaled for name in self.of if (scaled := self._unit(name))}
+        if missing := [name for name in list(self.of)[:2] if name not in self.scaled]:
+            raise self._asked_units(missing)
+        self.of = {name: self.of[name] for name in self.scaled}
+        return self.kind
+
+    def heading(self, name: str) -> str | None:
+        """What a heading says that the column of a quantity is."""
+        return self.own.get(self.of[name])
+
+    def _kind(self, sliding):
+        """(the kind of the curve, {quantity: role})."""
+        kind = "friction" if self.how.kind == "loop" else self.how.kind
+        known, named = self.known, {*self.known, *self.several}
+        over = [role for role in ("U_x", "delta", "time") if self.given.get(role) is not None]
+        sides = [(kind, *MEANT[kind])] if kind else SURE
+        if self.how.speed is not None:
+            sides = (*sides, ("friction", ("time",), ("force",)))
+        if not kind and "displacement" in named and not {"U_x", "delta", *FORCES} & named:
+            sides = ()  # a machine's displacement and force may be those of a press
+        for found, across, values in sides:
+            x = [role for role in over or across if role in across and role in named]
+            y = [role for role in values if role in named and not (x and known.get(role, -1) == known.get(x[0]))]
+            if not (x and y) or (sliding is not None and sliding != (found == "friction")):
+                continue
+            if not kind and not over and sliding is None and found == "load" and {"U_x", *FORCES} & named:
+                continue
+            if x[0] not in known or y[0] not in known or self._rivals(x) or self._rivals([y[0], "force"]):
+                break
+            return found, self._with_others(found, x[0], y[0])
+        raise self._asked_kind(kind)
+
+    def _rivals(self, roles):
+        """Whether columns of other roles may be meant in place of the first one, which was not given."""
+        rivals = {*DEEP, "displacement"} if roles[0] in (*DEEP, "displacement") else {*FORCES, *LOADS, "force"}
+        meant = {self.known[role] for role in roles if role in self.known and role in rivals}
+        others = () if roles[0] in FORCES else SYMBOLS  # F beside L is no load
+        meant = {k for k in meant if plain(self.table.columns[k].name) not in others}
+        return len(meant) > 1 and roles[0] in rivals and roles[0] not in self.given
+
+    def _with_others(self, kind, over, value):
+        """{quantity: role} of a curve of that kind, L and A beside a friction force among them."""
+        role = {quantity_of(over, kind): over, quantity_of(value, kind): value}
+        if kind == "friction":
+            own, other = ("L_bar", "L") if value == "F_bar" else ("L", "L_bar")
+            if other in self.known and own not in self.known:
+                self.noted = ("L", "L_bar")
+                self.notes.append(
+                    f"{other} is left out beside {quantity_of(value, kind)}; give {own}: w E may be free."
+                )
+            role |= {quantity_of(each, kind): each for each in (own, *reversed(AREAS)) if each in self.known}
+        return role
+
+    def _asked_kind(self, kind):
+        """The DataError for columns that are not certain."""
+        known, table, named = self.known, self.table, {*self.known, *self.several}
+        if not kind and "displacement" in known and {"force", *LOADS} & known.keys():
+            reason = "a displacement and a force: along the surface (friction, loop) or into it (load)?"
+            return DataError(f"{reason} {table}", table=table, call={"kind": ...})
+        if not kind and {"time", "force"} <= known.keys():
+            return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
+        reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
+        loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
+        kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
+        names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
+        deep = {known[role] for role in DEEP if role in known}
+        along = [k for k, column in enumerate(table.columns) if is_unit(column.unit) and k not in deep]
+        timed = "time" in known and not {"U_x", "displacement"} & named and ({*FORCES} & named or not along)
+        if kind == "friction" and timed:
+            names = ("time", "F")
+        more = {"speed": ...} if "time" in names and self.how.speed is None else {}
+        over, values = MEANT[kind]
+        roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
+        at = {name: {known.get(each) for each in roles[name] if each in named} for name in names}
+        self.of = {name: found.pop() for name, found in at.items() if len(found) == 1 and None not in found}
+        return self._asked(reason, self.of, names, **more)
+
+    def _asked(self, reason, of, names, **more):
+        """The DataError for the columns and units of quantities."""
+        known = {name: UNITS_OF.get(name, LENGTHS) for name in names}
+        return asked(self.table, reason, of, known, self.how.units, **more)
+
+    def _unit(self, name):
+        """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
+        role, column, force = self.role[name], self.table.columns[self.of[name]], self.how.force
+        wanted, own, known = self.how.units.get(name), column.unit, UNITS_OF.get(name, LENGTHS)
+        if role.endswith("_bar"):
+            if unit := wanted or (own if own and named_unit(own) else None):
+                raise DataError(f"{role} has no unit, and {unit} is one; leave it out, or give the column as {name}")
+            return 1.0, "w" if name == "A" else "w E"
+        if force is not None and name in ("F", "L"):
+            if wanted or own in PER_WIDTH or own == "F_s":
+                raise DataError(f"force = {force:g}, but {column.name or name} is in {wanted or own}; leave force out")
+            return force, "N/m"
+        if wanted:
+            times = agreed(wanted, own, known, f"units[{name!r}]")
+            if own and not is_unit(own, known):
+                self.notes.append(f"{name} is read as {wanted}; the file says {own[:SHOWN]}.")
+            return times, quantity(wanted)
+        return (factor(own, known), quantity(own)) if is_unit(own, known) else None
+
+    def _asked_units(self, missing):
+        """The DataError for quantities without a unit that is known."""
+        whys = []
+        for name in missing:
+            unit, allowed = self.table.columns[self.of[name]].unit, allowed_of(UNITS_OF.get(name, LENGTHS))
+            why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
+            whys.append(f"{why}; allowed units: {allowed}")
+            if unit and name == "A" and re.search("[²2]", unit):
+                whys.append("divide it by its value without shear, and write A/A_0")
+        over = [name for name in list(self.role)[:2] if not self.role[name].endswith("_bar")]
+        return self._asked("; ".join(whys), self.of, over)

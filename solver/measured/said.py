@@ -1,0 +1,37 @@
+"""What a file says above its columns: names with texts, and the stiffness of a lever among them."""
+
+import re
+from collections.abc import Iterable
+
+from .columns import plain
+from .roles import NAMED
+from .tables import Table
+from .units import PER_WIDTH, parted
+
+SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?((?:[^",]|,(?=\d)){1,60})')
+SPRING = re.compile("spring|force con|stiffn", re.I)
+SPRINGS = PER_WIDTH | {"nN/nm": 1.0, "pN/nm": 1e-3, "": 1.0}  # units of its stiffness
+MOST_SAID = 100
+
+
+def said_in(above: Iterable[str]) -> dict[str, str]:
+    """{name: text} of the lines above the columns, as in Velocity = 240 or "speed": 1e-5."""
+    found = (SAID.match(line) for line in above)
+    pairs = [(match[1].strip(), match[2].strip()) for match in found if match and match[2].strip()]
+    return dict(pairs[:MOST_SAID])
+
+
+def spring_in(said: dict[str, str]) -> tuple[float | None, str]:
+    """(stiffness, N/m, or None where its unit is unknown; "name = text") of a spring that a file names, "" for none."""
+    for name, text in said.items():
+        match = re.match(r"(\d[\d.]*(?:[eE][+-]?\d+)?)\s*(\S*)", text) if SPRING.search(name) else None
+        if match:
+            unit = match[2] or parted(name)[1] or ""
+            return float(match[1]) * SPRINGS[unit] if unit in SPRINGS else None, f"{name} = {text}"
+    return None, ""
+
+
+def lever_in(table: Table, k: int) -> float | None:
+    """The stiffness, N/m, that a file names of a lever whose deflection is in its k-th column, a height; else None."""
+    own = plain(table.columns[k].name)
+    return spring_in(said_in(table.above))[0] if own in (*NAMED["height"], *NAMED["position"]) else None

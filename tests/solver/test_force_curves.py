@@ -1,0 +1,77 @@
+"""Force curves of microscopes, through afmformats: a file in its own HDF5, and an archive of JPK without a spring."""
+
+import io
+import sys
+import zipfile
+
+import h5py
+import numpy as np
+import pytest
+
+from app.features.files.tasks import Chosen, look
+from solver import DataError, Scene, read_measurement, read_profile
+
+DEPTH = np.concatenate([np.linspace(-200.0, 20.0, 111), np.linspace(20.0, -200.0, 111)])  # nm
+FORCE = np.where(DEPTH > 0.0, 0.1 * DEPTH, 0.0)  # nN
+SEGMENT = np.repeat([0, 1], 111)
+
+
+def hdf5(curves=1, mode="force-distance", spring=0.5):
+    """The bytes of a file with that many curves, each larger than the one before."""
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        file.attrs["software"], file.attrs["software version"] = "afmformats", "0.18"
+        for k in range(curves):
+            group = file.create_group(f"{k}")
+            group.attrs.update({"imaging mode": mode, "enum": k, "spring constant": spring, "point count": DEPTH.size})
+            for name, column in {
+                "force": (k + 1) * 1e-9 * FORCE,
+                "height (measured)": 1e-6 - 1e-9 * DEPTH,
+                "segment": SEGMENT,
+            }.items():
+                group[name] = column
+    return stream.getvalue()
+
+
+def test_a_force_curve_is_a_load_over_approach_in_segments():
+    found = read_measurement(Scene(), hdf5(), deflection=0.5)
+    assert (found.kind, [segment.name for segment in found.segments]) == ("load", ["approach", "retract"])
+    approach = found.segments[0]
+    assert approach.values["L"] == pytest.approx(1e-9 * FORCE[:111], abs=1e-15) and found.units["L"] == "N"
+    assert np.ptp(approach.x) == pytest.approx(220.0 - 2.0 / 0.5, rel=1e-6)
+
+
+def test_of_several_force_curves_one_is_asked_for():
+    with pytest.raises(DataError, match=r"^2 force curves: 1 'curve 1', .*; call .*, channel=...\)$"):
+        read_measurement(Scene(), hdf5(2))
+    assert read_measurement(Scene(), hdf5(2), channel=2).segments[0].values["L"].max() == pytest.approx(4e-9)
+    with pytest.raises(DataError, match=r"^channel = 3: allowed: 1 'curve 1', 2 'curve 2'; give one"):
+        read_measurement(Scene(), hdf5(2), channel=3)
+
+
+def test_segments_that_a_mode_only_counts_are_found_by_the_turns_of_the_height():
+    found = read_measurement(Scene(), hdf5(mode="creep-compliance"))
+    assert [segment.name for segment in found.segments] == ["approach", "retract"]
+
+
+def test_the_page_reads_a_force_curve_and_fills_in_its_lever():
+    seen, curve = look(Scene(), hdf5(), Chosen())
+    assert curve.kind == "load" and seen["deflection"] == 0.5 and not seen["why"]
+    assert set(look(Scene(), hdf5(2), Chosen())[0]["channels"]) == {"1", "2"}
+
+
+def test_what_is_no_force_curve_and_no_surface_is_refused_with_a_remedy(monkeypatch):
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as file:
+        for name in ("header.properties", "segments/", "segments/0/"):
+            file.writestr(name, "")
+        file.writestr("segments/0/segment-header.properties", "force-segment-header.num-points=100")
+    with pytest.raises(DataError, match=r"^no force in N can be read \(.*\); export columns of it as text"):
+        read_measurement(Scene(), archive.getvalue())
+    with pytest.raises(DataError, match=r"^this is a force curve, no surface; read it as a curve, by read_measurement"):
+        read_profile(hdf5())
+    with pytest.raises(DataError, match=r"^this is no table in text, and no force curve of a known format"):
+        read_measurement(Scene(), b"\0\1\2" * 100)
+    monkeypatch.setitem(sys.modules, "afmformats", None)
+    with pytest.raises(DataError, match=r'pip install "mixed-mode-contact\[instruments\]"$'):
+        read_measurement(Scene(), hdf5())

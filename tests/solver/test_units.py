@@ -1,0 +1,84 @@
+"""What an argument says of a column, against what the file says: used, refused with both, or named in a note."""
+
+import numpy as np
+import pytest
+
+from solver import DataError, Scene, read_measurement, read_profile
+
+X = np.linspace(0.0, 640.0, 257)
+Z = 4.0 * np.cos(4.0 * np.pi * X / 640.0)
+
+
+def curve(heading, **how):
+    """A friction curve, 2 per nm, below this heading."""
+    return read_measurement(Scene(), "\n".join([heading, *(f"{k},{2 * k}" for k in range(1, 41))]), **how)
+
+
+def profile(heading, **how):
+    """A profile of 640 by 8 nm below this heading."""
+    return read_profile("\n".join([heading, *(f"{x:.9g},{z:.9g}" for x, z in zip(X, Z, strict=True))]), **how)
+
+
+CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
+    (curve, "U_x (nm),F (N)", {"units": {"F": "N/m"}}, "'N/m', but the file names N; leave it out, or say what"),
+    (curve, "U_x (nm),F (N/m)", {"units": {"F": "N"}}, "units['F'] = 'N', but the file names N/m; leave it out"),
+    (curve, "U_x (nm),F (N)", {"units": {"F": "F_s"}}, "units['F'] = 'F_s', but the file names N"),
+    (curve, "U_x (nm),F (N)", {"units": {"F": "2 N"}}, "units['F'] = '2 N', but the file names N; leave it out"),
+    (curve, "U_x (nm),F (V)", {"units": {"F": "N"}}, 'names V; say what 1 V is, as "10 N"'),
+    (curve, "U_x (s),F (N)", {"units": {"U_x": "nm"}}, 'names s; say what 1 s is, as "10 nm"'),
+    (curve, "U_x (nm),A (nm)", {"units": {"A": "A_0"}}, "units['A'] = 'A_0', but the file names nm; leave it out"),
+    (curve, "U_x (nm),F_bar (N/m)", {}, "F_bar has no unit, and N/m is one; leave it out, or give the column as F"),
+    (curve, "U_x (nm),Force (N)", {"columns": {"F_bar": 2}}, "F_bar has no unit, and N is one"),
+    (curve, "U_x (nm),F_bar", {"units": {"F": "N"}}, "F_bar has no unit, and N is one"),
+    (curve, "U_x (nm),F (N/m)", {"force": 1e3}, "force = 1000, but F is in N/m; leave force out"),
+    (curve, "U_x (nm),F", {"units": {"F": "mN"}, "force": 1e3}, "force = 1000, but F is in mN; leave force out"),
+    (curve, "U_x (nm),L (N)", {"kind": "load"}, "which column is what is not certain; needed: delta and L of a load"),
+    (curve, "U_x (nm),F (N/m)", {"columns": {"F": "F [N]"}}, "columns['F'] = 'F [N]' is none of them; give a name"),
+    (curve, "separation (nm),L (N)", {"deflection": 2.0, "sign": {"L": 1}}, "a separation has no lever in it"),
+    (profile, "x (nm),z (nm)", {"unit": "um"}, "unit = 'um', but the file names nm; leave it out"),
+    (profile, "x (nm),z (V)", {"units": {"z": "nm"}}, 'names V; say what 1 V is, as "10 nm"'),
+    (profile, "X units: um\nx (nm),z (nm)", {}, "x in 'nm or um'; allowed units: nm"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("read", "heading", "how", "said"), CONTRADICTED)
+def test_an_argument_that_contradicts_the_file_is_refused_with_both(read, heading, how, said):
+    with pytest.raises(DataError) as refused:
+        read(heading, **how)
+    assert said in str(refused.value)
+
+
+def test_a_number_of_a_unit_says_what_1_in_the_file_is():
+    found = curve("U_x (nm),F (N)", units={"F": "10 N/m"})
+    assert found.units["F"] == "N/m" and found.segments[0].values["F"][0] == pytest.approx(20.0)
+    assert np.ptp(profile("x (nm),z (V)", units={"z": "0.5 nm"}).z) == pytest.approx(4.0)
+    assert curve("U_x (s),F (N)", units={"U_x": "3 nm"}).segments[0].x[-1] == pytest.approx(120.0)
+
+
+def test_a_word_that_is_no_unit_is_named_in_a_note_beside_the_unit_that_is_given():
+    found = curve("U_x (nm),F (raw)", units={"F": "N/m"})
+    assert "F is read as N/m; the file says raw." in found.notes
+    assert "z as nm, where the file says raw2;" in profile("x (nm),z (raw2)", units={"z": "nm"}).notes[0]
+
+
+def test_two_units_of_one_column_are_settled_by_an_argument():
+    assert profile("X units: um\nx (nm),z (nm)", units={"x": "nm"}).length == pytest.approx(640.0)
+
+
+def test_a_column_is_named_with_its_unit_as_well():
+    assert curve("Way [nm],Pull (N)", columns={"U_x": "Way [nm]", "F": "pull (n)"}).kind == "friction"
+
+
+def approach(names, above="# spring constant: 0.5 N/m"):
+    """A load of 2 nN per nm below a line that names the lever."""
+    return "\n".join([above, names, *(f"{100 - x},{2 * x}" for x in range(41))])
+
+
+def test_a_stiffness_that_the_file_names_is_in_the_call_and_a_note_and_another_one_is_named_beside_it():
+    with pytest.raises(DataError, match=r'sign=\{"delta": -1\}, deflection=0.5\)$'):
+        read_measurement(Scene(), approach("Z (nm),Fn (nN)"))
+    found = read_measurement(Scene(), approach("height (nm),Fn (nN)"))
+    assert any("spring constant = 0.5 N/m" in note and "deflection=0.5 takes it off" in note for note in found.notes)
+    found = read_measurement(Scene(), approach("height (nm),Fn (nN)"), deflection=4.0)
+    assert "deflection = 4 N/m, as given; the file says spring constant = 0.5 N/m." in found.notes
+    assert not read_measurement(Scene(), approach("separation (nm),Fn (nN)")).notes
