@@ -131,8 +131,10 @@ class Experiment(Viewer):
         Before, Panel drops what the server sets. Several may come in one call, in any order: their numbers tell.
         """
         given = [event for event in events if event.new and not self.closed]
+        # with threads, Panel sets parameters in one of them; and a file is forgotten later, not while Panel sets it
+        now = pn.state.loaded and pn.config.nthreads is None and not any("content" in event.new for event in given)
         for event in sorted(given, key=lambda event: n if orders.is_number(n := event.new.get("n")) else 0):
-            if pn.state.loaded and "content" not in event.new:  # which is forgotten later: not while Panel sets it
+            if now:
                 self.obey(event.name, event.new)
             else:
                 pn.state.onload(on_loop(self.later, partial(self.obey, event.name, event.new)))

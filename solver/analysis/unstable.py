@@ -19,6 +19,7 @@ from ..following.moved import NotFollowed
 from ..following.skeleton import Skeleton
 from ..run.frame import contact_area, forces, slips_in
 from ..scene import Scene
+from ..text import counted
 from ..threads import computation
 
 SOLVED = 1e-8  # nm, residual of the states
@@ -79,7 +80,7 @@ def unstable_branch(run: Any, slip: int = 0, most: int = MOST) -> UnstableBranch
     forth = fold.phi @ (fold.v - branch.states[-2].v)
     points, end = _walked(problem, fold, np.sign(forth) * fold.phi, most)
     sites = round(problem.sites(fold.v, skeleton.unknowns(np.nextafter(branch.end, np.inf))[0]))
-    return _branch(skeleton, problem, points, turns * skeleton.period, sites, end is not None)
+    return _branch(skeleton, problem, points, turns * skeleton.period, sites, end is not None, most)
 
 
 def _walked(problem, fold, phi, most):
@@ -99,7 +100,7 @@ def _walked(problem, fold, phi, most):
     return points, None
 
 
-def _branch(skeleton, problem, points, shift, sites, ends):
+def _branch(skeleton, problem, points, shift, sites, ends, most):
     """The UnstableBranch of Points, moved on by `shift` nm."""
     v, r = np.array([point.v for point in points]), np.empty(problem.size)
     residual = max(problem.residual(point.v, point.load, r) for point in points)
@@ -111,12 +112,13 @@ def _branch(skeleton, problem, points, shift, sites, ends):
     )
     why = "It ends at the fold where the branch of the next site begins."
     if not ends:
-        why = f"It could be followed to U_x = {loads[-1]:.6g} nm only."
+        how = f"was followed over {len(points)} states" if len(points) > most else "could be followed"
+        why = f"It {how} to U_x = {loads[-1]:.6g} nm only."
     elif sites > 1:
         why = "It ends at the fold where the branch begins in which the slip lands."
     if sites > 1:
         why += f" The slip leads over {sites} sites."
     if turns := int((np.diff(np.sign(np.diff(loads))) != 0.0).sum()):
-        why += f" It turns {turns} times on the way, where a front of slip passes from node to node."
+        why += f" It turns {counted(turns, 'time')} on the way, where a front of slip passes from node to node."
     bars = *forces(skeleton.scene, T), np.array(areas)
     return UnstableBranch(skeleton.scene, np.array(loads), *bars, v, sites, ends, why, float(residual), evaluations)

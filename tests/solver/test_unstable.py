@@ -97,3 +97,8 @@ def test_a_run_that_flutters_and_a_slip_that_is_not_there_are_refused(weak):
         unstable_branch(skeleton_of(Scene(E=12.0)))
     with pytest.raises(IndexError, match=r"slip = 99: allowed for this run: 0 \.\. "):
         unstable_branch(weak, 99)
+
+
+def test_a_walk_that_ends_for_its_number_of_points_says_so():
+    branch = unstable_branch(skeleton_of(TURNS), most=10)
+    assert not branch.ends and "It was followed over 11 states to U_x = " in branch.why

@@ -25,13 +25,12 @@ class Feature(interface.Feature):
         self.shown = False
         self.skeleton: Skeleton | None = None  # of the newest run or prediction
         self.exact = True  # whether it is that of a run
+        self.drawn = False  # whether the browser has something
 
     def requested(self, scene: Scene) -> None:
-        """Remove the branches of a run: they belong to another scene. Those of predictions follow the slider."""
-        if self.exact:
-            self.cancel()
-            if self.skeleton is not None and self.shown:
-                self.session.send("branches", list=[], why="", exact=True)
+        """Remove the branches: they belong to another scene. Those of predictions follow a held slider."""
+        if self.exact or not self.session.pursuit.held:
+            self._clear()
         self.skeleton = None
 
     def predicted(self, skeleton: Skeleton) -> None:
@@ -40,15 +39,24 @@ class Feature(interface.Feature):
         self._ask()
 
     def ended(self, run: Any, skeleton: Skeleton | None) -> None:
-        """Compute the branches of a run."""
+        """Compute the branches of a run, if it can be followed."""
         self.skeleton, self.exact = skeleton, True
-        self._ask()
+        self._clear() if skeleton is None else self._ask()
 
     @order("unstable", shown=orders.is_flag)
     def show(self, shown: bool) -> None:
         """Compute the branches from now on, or no longer."""
         self.shown = shown
         self._ask()
+
+    def _clear(self):
+        self.cancel()
+        if self.shown and self.drawn:
+            self._send([], "", True)
+
+    def _send(self, branches, why, exact):
+        self.drawn = bool(branches or why)
+        self.session.send("branches", list=branches, why=why, exact=exact)
 
     def _ask(self):
         if not self.shown or self.skeleton is None:
@@ -59,6 +67,6 @@ class Feature(interface.Feature):
 
     def _made(self, skeleton, exact, made):
         branches, why = made or ([], "The unstable branch could not be computed.")
-        self.session.send("branches", list=branches, why=why, exact=exact)
+        self._send(branches, why, exact)
         if not exact and self.skeleton is not skeleton:
             self._ask()

@@ -51,6 +51,7 @@ def test_while_a_slider_is_held_one_branch_after_the_other_is_computed_and_then_
     made, sent = session.features["between"], messages(session)
     order(session, "unstable", shown=True)
     others = [skeleton_of(SCENE.changed(E=E)) for E in (71.0, 72.0, 73.0)]
+    session.pursuit.held = True
     for other in others:  # the pictures of a drag, which come faster than branches
         made.requested(other.scene)
         made.predicted(other)
@@ -70,3 +71,15 @@ def test_the_branch_of_a_prediction_takes_few_points():
     skeleton = skeleton_of(Scene(delta_bar=1.0))  # its branch has 156
     (branch, *_), _ = tasks.branches(skeleton, exact=False)
     assert len(branch["U_x"]) <= tasks.SOON + 1 < len(tasks.branches(skeleton)[0][0]["U_x"])
+
+
+def test_a_preset_and_a_run_that_cannot_be_followed_leave_no_branch_of_a_prediction(session, skeleton):
+    made, sent = session.features["between"], messages(session)
+    order(session, "unstable", shown=True)
+    for ends in (lambda: made.ended(SimpleNamespace(scene=SCENE), None), lambda: made.requested(Scene())):
+        made.predicted(skeleton)
+        (call,) = made.waiting
+        made._answered(call, call[0](*call[1:]))
+        assert sent[-1]["list"] and not sent[-1]["exact"]
+        ends()
+        assert not made.waiting and sent[-1]["list"] == [] and sent[-1]["why"] == "" and sent[-1]["exact"]
