@@ -64,7 +64,7 @@ class Experiment(Viewer):
         """scene: the first one; else that of the arguments {name: [bytes]} of an address. doc: that of a page."""
         addressed, preset, notes = controls.scene_from_address(arguments or {})
         super().__init__(scene=scene or addressed, preset=preset, notes=notes)
-        self.doc, self.jobs, self.closed = doc or pn.state.curdoc, jobs, False
+        self.doc, self.jobs, self.closed = doc or pn.state.curdoc or document.kernel(), jobs, False
         self.stage = stage or Stage()
         self._own = self.scene  # as it was set here: another one was set by somebody else
         self.own = ""  # id of the Stage's model in the document
