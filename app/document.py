@@ -18,10 +18,9 @@ from panel.io.state import set_curdoc
 
 
 class Kernel:
-    """The loop of a notebook, in place of the document of a session; its methods are those of a Document."""
+    """The loop of a notebook, in place of the document of a session, whose methods it has. RuntimeError without one."""
 
     def __init__(self) -> None:
-        """Raises RuntimeError where no loop runs, as in a plain script."""
         self.loop, self._calls = asyncio.get_running_loop(), set[asyncio.Task]()
         self._context = copy_context()  # of the cell: in that of a message Panel has the document of another output
 
@@ -34,16 +33,11 @@ class Kernel:
         self.loop.call_later(ms / 1000, self._begin, call, context=self._context)
 
     def add_periodic_callback(self, call: Callable[[], Coroutine], ms: int) -> None:
-        """Make a call again and again; only the loop may call this."""
-
         async def again():
             self.add_timeout_callback(again, ms)
             await call()
 
         self.add_timeout_callback(again, ms)
-
-    def on_session_destroyed(self, call: Callable[[Any], object]) -> None:
-        """Do nothing: a notebook ends with its process."""
 
     def _begin(self, call):
         self._calls.add(task := self.loop.create_task(call()))  # asyncio itself keeps no task

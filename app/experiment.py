@@ -76,7 +76,8 @@ class Experiment(Viewer):
         self.orders = orders_of(self, self.pursuit, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
         if doc is None and self.doc is not None:  # on a page of somebody else's
-            self.doc.on_session_destroyed(lambda session_context: self.close())
+            if isinstance(self.doc, Document):  # a notebook ends with its process
+                self.doc.on_session_destroyed(lambda session_context: self.close())
             self.doc.add_periodic_callback(on_loop(self.look), LOOK)
         visitors.add(self)
         metrics.count("visits")
