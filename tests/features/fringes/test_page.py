@@ -88,7 +88,8 @@ def test_a_scale_of_stress_is_in_sight_only_where_stress_is_drawn(server, browse
     page.wait_for_function("watched.at(-1).join() === '1,true'")
     page.locator("#stress").evaluate(CHOOSE, "xx")
     page.wait_for_function(
-        "document.querySelector('.of-stress:not([hidden])')?.dataset.stress === 'xx' && watched.at(-1).join() === '1,true'"
+        "document.querySelector('.of-stress:not([hidden])')?.dataset.stress === 'xx'"
+        " && watched.at(-1).join() === '1,true'"
     )
     seen = page.evaluate("watched")
     page.close()
