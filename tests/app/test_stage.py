@@ -44,4 +44,4 @@ def test_an_experiment_computes_in_a_notebook_on_the_loop_of_its_kernel(pool):
         experiment.close()
         return frames
 
-    assert asyncio.run(cell()) > 1
+    assert waited(cell()) > 1
