@@ -64,7 +64,7 @@ class Experiment(Viewer):
         """scene: the first one; else that of the arguments {name: [bytes]} of an address. doc: that of a page."""
         addressed, preset, notes = controls.scene_from_address(arguments or {})
         super().__init__(scene=scene or addressed, preset=preset, notes=notes)
-        self.doc, self.jobs, self.closed = doc or pn.state.curdoc, jobs, False
+        self.doc, self.jobs, self.closed = doc or pn.state.curdoc or document.kernel(), jobs, False
         self.stage = stage or Stage()
         self._own = self.scene  # as it was set here: another one was set by somebody else
         self.own = ""  # id of the Stage's model in the document
@@ -76,7 +76,8 @@ class Experiment(Viewer):
         self.orders = orders_of(self, self.pursuit, *self.features.values())
         self.stage.param.watch(self._heed, [*self.orders])
         if doc is None and self.doc is not None:  # on a page of somebody else's
-            self.doc.on_session_destroyed(lambda session_context: self.close())
+            if isinstance(self.doc, Document):  # a notebook ends with its process
+                self.doc.on_session_destroyed(lambda session_context: self.close())
             self.doc.add_periodic_callback(on_loop(self.look), LOOK)
         visitors.add(self)
         metrics.count("visits")
@@ -126,18 +127,17 @@ class Experiment(Viewer):
     # orders from the browser
 
     def _heed(self, *events: param.parameterized.Event) -> None:
-        """Obey what the browser has set, under the lock of the document, and not before it is loaded.
+        """Obey what the browser has set, in the order of its numbers: Panel may pass on several in any order.
 
-        Before, Panel drops what the server sets. Several may come in one call, in any order: their numbers tell.
+        Until the page is loaded Panel drops what is sent to it.
         """
         given = [event for event in events if event.new and not self.closed]
-        # with threads, Panel sets parameters in one of them; and a file is forgotten later, not while Panel sets it
-        now = pn.state.loaded and pn.config.nthreads is None and not any("content" in event.new for event in given)
+        # Panel may set parameters in a thread, or in a notebook's message; a file is forgotten not before they are set
+        now = not isinstance(self.doc, document.Kernel) and pn.state.loaded and pn.config.nthreads is None
+        now = now and not any("content" in event.new for event in given)
         for event in sorted(given, key=lambda event: n if orders.is_number(n := event.new.get("n")) else 0):
-            if now:
-                self.obey(event.name, event.new)
-            else:
-                pn.state.onload(on_loop(self.later, partial(self.obey, event.name, event.new)))
+            call = partial(self.obey, event.name, event.new)
+            call() if now else pn.state.onload(on_loop(self.later, call))
 
     def obey(self, name: str, given: Any) -> None:
         """Run an order {"n": number, field: value} of the browser. Each is acknowledged, even a rejected one.

@@ -23,11 +23,17 @@ function made(model, el, contents, makeStage) {
   return { stage, root }
 }
 
-// Whether the page around an element is dark: the first ground behind it that is not transparent
+// Whether the page around an element is dark: the first ground behind it that is not transparent. It is painted, as a
+// colour may be given in any colour space
 function isDark(element) {
+  const pen = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true })
   for (let at = element; at; at = at.parentNode ?? at.host) {
-    const ground = at instanceof Element ? getComputedStyle(at).backgroundColor.match(/[\d.]+/g)?.map(Number) : null
-    if (ground && (ground[3] ?? 1) > 0.5) return 0.3 * ground[0] + 0.59 * ground[1] + 0.11 * ground[2] < 128
+    if (!(at instanceof Element)) continue
+    pen.clearRect(0, 0, 1, 1)
+    pen.fillStyle = getComputedStyle(at).backgroundColor
+    pen.fillRect(0, 0, 1, 1)
+    const [red, green, blue, alpha] = pen.getImageData(0, 0, 1, 1).data
+    if (alpha > 128) return 0.3 * red + 0.59 * green + 0.11 * blue < 128
   }
   return false
 }

@@ -93,8 +93,10 @@ class Stage(Wire):
         else:
             filename.write(text)
 
-    def _repr_mimebundle_(self, *_: Any, **__: Any) -> Any:
-        """Return the file in a frame of a notebook."""
+    def _repr_mimebundle_(self, *include: Any, **how: Any) -> Any:
+        """Return the file in a frame of a notebook; of a live one what Panel makes of it."""
+        if self.live:
+            return super()._repr_mimebundle_(*include, **how)
         return {"text/html": self._repr_html_()}, {}
 
     def _repr_html_(self) -> str:

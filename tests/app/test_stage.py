@@ -4,6 +4,10 @@ import asyncio
 
 from visitor import PATIENCE, messages, waited
 
+from app.experiment import Experiment
+from app.service.jobs import Jobs
+from solver import Scene
+
 
 def test_changes_that_panel_passes_on_together_are_obeyed_in_the_order_of_their_numbers(session, monkeypatch):
     obeyed = []
@@ -24,3 +28,20 @@ def test_two_equal_messages_are_both_sent(session):
     for _ in range(2):
         session.send("skeleton", acknowledged=1, body=b"1")
     assert len(sent) == 2
+
+
+def test_an_experiment_computes_in_a_notebook_on_the_loop_of_its_kernel(pool):
+    async def cell():
+        experiment = Experiment(Scene(nodes=256, width=625.0, u_x_max=2.0), jobs=Jobs(pool))
+        experiment.stage.hello = {"n": 0}
+        async with asyncio.timeout(PATIENCE):
+            while experiment.status.get("state") != "finished":
+                await asyncio.sleep(0.01)
+            experiment.scene = experiment.scene.changed(E=90.0)
+            while (experiment.status["state"], experiment.status["values"]["E"]) != ("finished", 90.0):
+                await asyncio.sleep(0.01)
+        frames = experiment.run.frames
+        experiment.close()
+        return frames
+
+    assert waited(cell()) > 1

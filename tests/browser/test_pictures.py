@@ -10,7 +10,7 @@ from tabs import imported
 # Looks at the page before each picture of the screen, where everything is drawn: `pictures` counts, `wrong` lists
 WATCH = """() => {
     const { sentence: { nowSentence, phaseSentence } } = modules
-    const by = (id) => document.getElementById(id), { dataset } = document.querySelector(".page")
+    const by = (id) => document.getElementById(id)
     const HOLD = 2600 // ms for which a sentence may stay while pictures follow each other, until the next picture
     const EVENT = /^(slip|in|off|part) / // keys of sentences that take the place of others at once
     Object.assign(window, { pictures: 0, wrong: [] })
@@ -34,9 +34,9 @@ WATCH = """() => {
         if (picture !== last) pictures++
         last = picture
         if (fresh) return // more of it is being drawn
-        for (const [of, flag, what] of [[run, "stale", "the punch"], [charted, "mixed", "the curves"]]) {
+        for (const [of, seen, what] of [[run, ".hero", "the punch"], [charted, "figure.forces", "the curves"]]) {
             const other = entered(of)
-            if (!other.length || dataset[flag] === "true" || (dragging && of.followed)) continue
+            if (!other.length || document.querySelector(seen).ariaBusy === "true" || (dragging && of.followed)) continue
             tell(`${what}: ${other.map((name) => [name, of.scene[name], "entered", by(`${name}-entry`).value])}`)
         }
         const { x, y } = charts.punch.parts.surface, { gap } = run.frame(k)

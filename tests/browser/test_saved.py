@@ -82,7 +82,7 @@ def test_no_key_and_no_drag_makes_a_saved_run_wait_for_a_server(opened):
     assert page.evaluate(waits) == [0, None, False, False, False]
     page.keyboard.press("r")
     page.wait_for_function("punch.playing && punch.drawn > punch.run.beginning")
-    assert page.evaluate("document.querySelector('.page').dataset.stale") == "false" and page.faults == []
+    assert page.evaluate("document.querySelector('.hero').ariaBusy") == "false" and page.faults == []
 
 
 def test_a_saved_run_names_its_scene_and_says_why_it_ended(opened):

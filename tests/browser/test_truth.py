@@ -6,7 +6,7 @@ import pytest
 from served import Server, finished, patient
 
 pytestmark = pytest.mark.thorough
-GREY = "document.querySelector('.page').dataset.stale === 'true'"
+GREY = "document.querySelector('.hero').ariaBusy === 'true'"
 SAID = "document.getElementById('stale').textContent"
 
 DRAWN = """() => {

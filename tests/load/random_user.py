@@ -57,7 +57,7 @@ WRONG = """async () => {
         if (!status.errors[name] && document.activeElement !== entry) differ(`entry of ${name}`, entry.value, value)
         differ(`${name} of the run`, Number(run.scene[name]), Number(value))
     }
-    differ('grey', document.querySelector('.page').dataset.stale, false)
+    differ('grey', document.querySelector('.hero').ariaBusy, false)
     if (!punch.playing && punch.preview === null && !punch.instead) {
         const k = Math.min(drawn, run.length - 1)
         differ('sentence', by('sentence').textContent, nowSentence(run, k).text)

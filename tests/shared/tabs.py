@@ -80,7 +80,7 @@ AS_OPENED = """([search, wanted]) => {
     const tour = all("#tour-card:not([hidden]) button")
     tour.find(({ textContent }) => textContent === "End tour")?.click()
     all(".chip [aria-label^=Remove]").forEach((remove) => remove.click())
-    if (document.querySelector(".page").dataset.page) pages.openPage("")
+    if (document.querySelector(".sheet:not([hidden])")) pages.openPage("")
     for (const box of all(".page input[type=checkbox], input[name=chosen], input[name=one]"))
         if (box.checked !== box.defaultChecked && (box.type !== "radio" || box.defaultChecked))
             change(box, { checked: box.defaultChecked })

@@ -43,7 +43,6 @@ const perFringe = () => Number(by("fringe").value) // GPa, for all runs: only th
 const keyed = memory()
 function drawKey(what) {
   if (!keyed(theme(), perFringe(), what)) return
-  one(".page").dataset.stress = what
   one(".of-fringe").hidden = what !== "fringes"
   for (const key of all(".of-stress")) key.hidden = key.dataset.stress !== what
   const most = digits(ORDERS * perFringe(), 2)

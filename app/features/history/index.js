@@ -2,7 +2,7 @@
 // browser's history, so that Back goes to the change before. While a page is open Back closes it.
 
 import { outdated } from "../../static/js/channel.js"
-import { by, entries as adding, lastSearch, one, readdress, root } from "../../static/js/dom.js"
+import { by, entries as adding, lastSearch, one, readdress } from "../../static/js/dom.js"
 import { goto } from "../../static/js/player.js"
 import { restore } from "../../static/js/steer.js"
 import { beginChange, declared, ended, me, view } from "../../static/js/store.js"
@@ -24,10 +24,9 @@ class Entries {
   // Change the scene {name: text}; each move of the user's is one entry. A question of the tour is none
   writeScene(address) {
     const text = JSON.stringify(address), before = this.scene
-    const { tour } = root.dataset
-    if (text === before || (tour && me.lesson?.ask)) return // the address of that question asks for more
+    if (text === before || (me.tour && me.lesson?.ask)) return // the address of that question asks for more
     const goesOn = this.move === me.move && before && difference(JSON.parse(before), address) === me.move.name
-    const ofTour = ["wait", "ask", "show", "why"].includes(tour)
+    const ofTour = ["wait", "ask", "show", "why"].includes(me.tour)
     this.write((now) => {
       for (const name of sceneNames()) now.delete(name)
       for (const name in address) now.set(name, address[name])
@@ -91,7 +90,7 @@ export function goBackTo(scene, k = null) {
 const viewed = () => declared.viewed.filter((name) => !["k", "page"].includes(name))
 // Whether the address opens more than the page as it is: a scene, an increment, a page of the menu
 const namesScene = () => [...new URLSearchParams(location.search).keys()].some((name) => !viewed().includes(name))
-const openedPage = () => one(".page").dataset.page
+const openedPage = () => one(".sheet:not([hidden])")?.id
 
 // The browser went back or forward. Where a page is open, Back closes it and changes nothing else
 function popped(event) {

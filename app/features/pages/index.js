@@ -45,7 +45,7 @@ function closeForProjector() {
 // Ask the page that is open for something
 export const ask = (values) => order("ask", values)
 
-const shown = () => one(".page").dataset.page ?? ""
+const shown = () => one(".sheet:not([hidden])")?.id ?? ""
 
 // Open a page, or none, as another entry of the browser's history; wish: what to ask it for then
 export function openPage(name, wish = null) {
@@ -70,8 +70,6 @@ export function showAddressed() {
 }
 
 function show(name, wish = null) {
-  if (name) one(".page").dataset.page = name
-  else delete one(".page").dataset.page
   for (const button of all("nav button"))
     button.setAttribute("aria-pressed", button.dataset.page === name)
   for (const section of all(".sheet")) section.hidden = section.id !== name

@@ -106,7 +106,7 @@ function showSheet({ link, qr, python }) {
 
 // The address of what is on screen now, for others
 function linkTo() {
-  const { page } = one(".page").dataset, url = new URL(location.pathname, originForOthers())
+  const page = one(".sheet:not([hidden])")?.id, url = new URL(location.pathname, originForOthers())
   for (const name in me.status.address) url.searchParams.set(name, me.status.address[name])
   if (me.drawn >= 0) url.searchParams.set("k", me.drawn)
   if (page) url.searchParams.set("page", page)

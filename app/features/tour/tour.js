@@ -2,7 +2,7 @@
 
 import { order } from "../../static/js/channel.js"
 import { charts, CURVES } from "../../static/js/charts.js"
-import { by, focused, make, makeButton, one, readdress, root, tell } from "../../static/js/dom.js"
+import { by, focused, make, makeButton, one, readdress, tell } from "../../static/js/dom.js"
 import { firstSlip } from "../../static/js/events.js"
 import { drawAtoms } from "../../static/js/lattice.js"
 import { cleared, inks } from "../../static/js/pen.js"
@@ -16,7 +16,6 @@ import { sceneChanges } from "../history/index.js"
 import { openPage } from "../pages/index.js"
 import { ownStop, slipValue, STOPS } from "./stops.js"
 
-const { dataset } = root
 const known = {} // {base: first slip of a scene that another one is compared with}
 let unseen = null // the scene that nobody has seen
 let at = 0, phase = "ask", chosen = null, card = null
@@ -38,7 +37,7 @@ function enterStop(place) {
   at = place
   card ??= makeCard()
   card.hidden = false
-  if (one(".page").dataset.page) openPage("")
+  if (one(".sheet:not([hidden])")) openPage("")
   begin()
 }
 
@@ -81,8 +80,7 @@ function tellAnswered() {
 
 function close() {
   card.hidden = true
-  delete dataset.tour
-  delete dataset.shows
+  Object.assign(me, { tour: "", shows: "" })
   redraw()
   for (const name of CURVES) curtain(name).hidden = true
   removeEventListener("popstate", left)
@@ -225,7 +223,8 @@ function write() {
   const stop = here()
   const title = make("h2", {}, at === OWN ? stop.name : `${at + 1} of ${STOPS.length}: ${stop.name}`)
   const held = card.contains(focused())
-  Object.assign(dataset, { tour: phase, shows: stop.shows ?? "" })
+  Object.assign(me, { tour: phase, shows: stop.shows ?? "" })
+  card.dataset.at = phase
   card.dataset.phase = (inClass() && me.lesson.phase) || ""
   card.replaceChildren(make("div", { className: "top" }, title, makeButton({ onclick: close }, "End tour")))
   if (phase === "wait") card.append(paragraph("", waiting()))

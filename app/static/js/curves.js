@@ -51,7 +51,7 @@ export function drawCurves(run, ghost, approach) {
       charts[chart].fill(label, { x, y })
     }
   }
-  one(".page").dataset.ghost = ghost !== null
+  one(".key .ghost").hidden = ghost === null
   nameGhost(run, ghost)
   nameAxis(approach ? "delta" : run.head.abscissa)
   markSlips(run, approach)

@@ -13,7 +13,7 @@ import * as player from "./player.js"
 import { skeletonLater } from "./skeleton.js"
 import { place } from "./sliders.js"
 import * as status from "./status.js"
-import { alone, declared, me, redraw, view } from "./store.js"
+import { declared, me, redraw, view } from "./store.js"
 
 export const again = redraw // everything, in other colours
 
@@ -37,11 +37,13 @@ export function start() {
   draw.connect()
   channel.take("run", player.receive, unpackLater)
   channel.take("skeleton", player.follow, skeletonLater)
-  channel.take("status", status.heard)
+  channel.take("status", (news) => {
+    arrive()
+    status.heard(news)
+  })
   for (const name in declared.positions) place(name, Number(by(`${name}-entry`).value))
   me.speed = Number(by("speed").value)
   document.addEventListener("stage", ({ detail }) => connect(detail))
-  if (alone || "placed" in root.dataset) opened()
   plugIn(declared.features)
 }
 
@@ -57,10 +59,15 @@ async function plugIn(names) {
   }
 }
 
-// The Stage (app/stage.py) is there: the websocket is open. Panel may render it again, which ends its watchers
-let there = false
+// The Stage (app/stage.py) is there: the websocket of a page is open; in a layout a status tells that somebody answers.
+// Panel may render it again, which ends its watchers
 export function connect(model) {
   channel.connect(model)
+  if (!("placed" in root.dataset)) arrive()
+}
+
+let there = false
+function arrive() {
   if (there) return
   there = true
   opened()

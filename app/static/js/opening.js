@@ -11,6 +11,11 @@ addEventListener("error", note, true)
 addEventListener("unhandledrejection", note)
 
 const late = setTimeout(async () => {
+  if ("placed" in root.dataset) {
+    warn("No answer yet:", "a live experiment computes in Python. In a notebook, wait for the kernel, or run the cell "
+      + "again. A saved page computes nothing: show a Stage(result) there.")
+    return
+  }
   const answer = await fetch(location.href, { cache: "no-store" }).catch(() => null)
   if (answer && !answer.ok) location.reload() // to the server's page that says why
   else warn("Not connected:", causeOf(answer), () => location.reload())
@@ -29,11 +34,12 @@ export function opened() {
   by("lost").hidden = true
 }
 
-// A line at the top of the page; retry is what its button does from now on
+// A line at the top of the page; retry is what its button does from now on, if there is one
 let tryNow = null
 export function warn(title, text, retry) {
   if (!tryNow) by("retry").addEventListener("click", () => tryNow())
   tryNow = retry
+  by("retry").hidden = !retry
   const [name, reason] = by("lost").children
   name.textContent = title
   reason.textContent = text

@@ -2,7 +2,7 @@
 // where the sliders say another scene than the run on screen, words say which, and an old run is grey.
 
 import { heard as acknowledged, order, outdated } from "./channel.js"
-import { by, on, one, say, tell } from "./dom.js"
+import { all, by, on, one, say, tell } from "./dom.js"
 import { differing, fixed, named } from "./quantities.js"
 import { describeAll } from "./sliders.js"
 import { sendNext } from "./steer.js"
@@ -73,7 +73,8 @@ function checkTruth() {
   const values = names.slice(0, SAID).map((name) => named(name, me.run.scene[name])).join(", ")
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
   const stale = outOfDate(me.picture?.run), mixed = outOfDate(me.charted)
-  Object.assign(one(".page").dataset, { mixed, stale })
+  one(".hero").ariaBusy = stale
+  for (const figure of all(".views > figure")) figure.ariaBusy = mixed
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped
@@ -96,8 +97,8 @@ function doing() {
 }
 
 function gettingReady() {
-  const [done, all] = me.status.compiled ?? [0, 0]
-  return done ? `compiling: ${done} of ${all} kernels` : "the solver gets ready"
+  const [done, kernels] = me.status.compiled ?? [0, 0]
+  return done ? `compiling: ${done} of ${kernels} kernels` : "the solver gets ready"
 }
 
 const STATES = { // {state of a run: its text}

@@ -9,7 +9,7 @@ export const embedded = new URLSearchParams(location.search).get("embed") === "1
 export const alone = "alone" in root.dataset // a Result that is played, without a server (app/stage.py)
 // Whether a part of *More* is in sight: of the page, or because the tour shows it at this stop
 const { dataset } = root
-export const sees = (part) => "more" in dataset || Boolean(dataset.shows?.split(" ").includes(part))
+export const sees = (part) => "more" in dataset || me.shows === part
 export const declared = {} // what Python declares, as main.js receives it
 
 // {name: {give(), take(what was given)}}: what features carry over when the page is loaded again as it was
@@ -32,6 +32,7 @@ const fields = {
   move: { name: "" }, // parameters changed by hand: one object for as long as it is one movement
   rests: 400, // ms without a move, after which a hand rests although it holds on
   charted: null, approach: false, // the run whose curves are drawn; which part
+  shows: "", // the part of *More* that is in sight without it
   look: 0, // counts changes of size, colours, units or options: everything is drawn anew
 }
 

@@ -2,7 +2,7 @@
 
 import { CURVES } from "./charts.js"
 import { all, by, keep, kept, on, one, readdress, root } from "./dom.js"
-import { redraw, sees } from "./store.js"
+import { redraw, sees, view } from "./store.js"
 
 const { dataset } = root
 
@@ -39,12 +39,13 @@ function settle() {
 function tellButtons() {
   by("projector").setAttribute("aria-pressed", projected())
   by("more").setAttribute("aria-pressed", sees("more"))
+  by("bands").hidden = !sees("bands")
 }
 
 export function connectViews() {
   by("letters").checked = kept("letters") !== "off"
   on("letters", "change", ({ target }) => keep("letters", target.checked ? "on" : "off"))
-  tellButtons()
+  view(["shows"], tellButtons)
   on("projector", "click", project)
   on("more", "click", seeMore)
   on("chosen", "change", (event) => choose(event.target.value))
@@ -62,7 +63,6 @@ export function connectViews() {
 
 // One of the curves is large
 export function choose(curve) {
-  one("main").dataset.chosen = curve
   for (const name of CURVES) one(`.views > .${name}`).toggleAttribute("data-large", name === curve)
   one(`#chosen [value="${curve}"]`).checked = true
   redraw()
@@ -70,6 +70,6 @@ export function choose(curve) {
 
 export function chooseNext() {
   if (!sees("more")) return
-  const { chosen } = one("main").dataset
+  const chosen = one("#chosen :checked").value
   choose(CURVES[(CURVES.indexOf(chosen) + 1) % CURVES.length])
 }

@@ -88,7 +88,8 @@ def test_a_scale_of_stress_is_in_sight_only_where_stress_is_drawn(server, browse
     page.wait_for_function("watched.at(-1).join() === '1,true'")
     page.locator("#stress").evaluate(CHOOSE, "xx")
     page.wait_for_function(
-        "document.querySelector('.page').dataset.stress === 'xx' && watched.at(-1).join() === '1,true'"
+        "document.querySelector('.of-stress:not([hidden])')?.dataset.stress === 'xx'"
+        " && watched.at(-1).join() === '1,true'"
     )
     seen = page.evaluate("watched")
     page.close()
@@ -103,7 +104,7 @@ def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
     painted = f"({LOWEST})(0.5) !== null"
     try:
         stress.evaluate(CHOOSE, "zz")
-        page.wait_for_function("document.querySelector('.page').dataset.stress === 'zz'")
+        page.wait_for_function("document.querySelector('.of-stress:not([hidden])')?.dataset.stress === 'zz'")
         page.wait_for_function(painted)
         key = page.locator(".of-stress:visible")
         assert " ".join(key.inner_text().split()) == "σ_zz: squeezed −0.6+0.6 GPa stretched"
@@ -112,7 +113,7 @@ def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
         red, _, blue, _ = page.evaluate(LOWEST, 0.15)
         assert red > blue + 30
         stress.evaluate(CHOOSE, "xz")
-        page.wait_for_function("document.querySelector('.page').dataset.stress === 'xz'")
+        page.wait_for_function("document.querySelector('.of-stress:not([hidden])')?.dataset.stress === 'xz'")
         page.wait_for_function(painted)
         red, green, _, _ = page.evaluate(LOWEST, 0.5)
         assert green > red + 15
@@ -122,4 +123,4 @@ def test_chosen_stress_is_drawn_with_its_sign_and_scale(look):
         page.wait_for_function("charts.punch.parts.fringes.picture === null")
     finally:
         stress.evaluate(CHOOSE, "fringes")
-    page.wait_for_function("document.querySelector('.page').dataset.stress === 'fringes'")
+    page.wait_for_function("!document.querySelector('.of-fringe').hidden")

@@ -113,7 +113,7 @@ def test_only_one_page_is_open_and_a_closed_one_leaves_no_elements_or_listeners_
 @thorough
 def test_close_button_and_back_close_a_page_and_change_no_parameter(visit):
     page = visit("?u_x_max=4&du_x=0.5")
-    opened = "(document.querySelector('.page').dataset.page ?? '')"
+    opened = "(document.querySelector('.sheet:not([hidden])')?.id ?? '')"
     for leave in (page.go_back, lambda: page.locator("#law .close").click()):
         page.evaluate("document.querySelector('nav button[data-page=law]').click()")
         page.wait_for_function(

@@ -28,7 +28,7 @@ def test_a_run_can_be_pinned_hidden_and_removed_by_keyboard(look):
     page.keyboard.press("ArrowRight")
     finished(page, run=2)
     assert [lines(page, view) for view in ("forces", "area", "map", "punch")] == [2, 1, 2, 1]
-    assert page.locator(".page").get_attribute("data-ghost") == "false"  # nothing pale over it
+    assert not page.locator(".key .ghost").is_visible()  # nothing pale over it
     # the force of the pinned run in N/m, whatever the stiffness of the run on screen
     pinned = page.evaluate("charts.forces.parts.pins.list[0].y[50]")
     first = next(frame for frame in load_path(Scene()) if frame.stage == "shear" and frame.index == 50)
