@@ -213,6 +213,12 @@ COMMANDS = {
         "Visitors who think for 2 to 5 s, then choose a preset or drag a slider; server and workers share their cores.",
         ("tests/load/classroom.py", "--drag", "--visitors", "30", "--seconds", "45"),
     ),
+    "hostile": Entry(
+        "Load",
+        "Strangers",
+        "10,000 random and mutated messages of five clients, and addresses that are not listed, beside three visitors.",
+        ("tests/load/hostile.py", "--messages", "10000"),
+    ),
 }
 
 
