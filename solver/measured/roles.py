@@ -36,6 +36,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
+SECOND = {"gap": ("tipposition",), "height": ("heightpiezo",)}  # read where no other name is one of DEEP
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
@@ -83,9 +84,12 @@ class Roles:
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
         self.table, self.how = table, how
         recognised_ones, self.several = recognised(table, NAMED)
+        second, _ = recognised(table, SECOND)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
-        self.own = {k: role for role, k in recognised_ones.items()}
+        self.own = {k: role for role, k in (*second.items(), *recognised_ones.items())}
+        if not {*DEEP, "displacement"} & {*recognised_ones, *self.several}:
+            recognised_ones |= dict(list(second.items())[:1])
         self.known = {role: k for role, k in (recognised_ones | self.given).items() if k is not None}
         self.of: dict[str, int] = {}
         self.noted: tuple[str, ...] = ()

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 
 from .columns import plain
-from .roles import NAMED
+from .roles import NAMED, SECOND
 from .tables import Table
 from .units import PER_WIDTH, parted
 
@@ -34,4 +34,6 @@ def spring_in(said: dict[str, str]) -> tuple[float | None, str]:
 def lever_in(table: Table, k: int) -> float | None:
     """The stiffness, N/m, that a file names of a lever whose deflection is in its k-th column, a height; else None."""
     own = plain(table.columns[k].name)
-    return spring_in(said_in(table.above))[0] if own in (*NAMED["height"], *NAMED["position"]) else None
+    return (
+        spring_in(said_in(table.above))[0] if own in (*NAMED["height"], *SECOND["height"], *NAMED["position"]) else None
+    )

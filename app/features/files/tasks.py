@@ -102,7 +102,7 @@ def _without_table(error):
 def _of_table(scene, block, chosen, seen):
     """Read a Block; fills `seen`."""
     table = block.table
-    kind = chosen.kind or _kind(table, chosen.columns)
+    kind = chosen.kind or block.kind or _kind(table, chosen.columns)
     meant = [*dict.fromkeys(role for side in SIDES[kind] for role in side), *BESIDE.get(kind, ())] if kind else ROLES
     columns = {role: k for role, k in chosen.columns.items() if role in meant and 0 <= k < len(table.columns)}
     columns = columns if chosen.columns else _columns(table, kind)
