@@ -73,7 +73,8 @@ class Block(NamedTuple):
     def numbers(self, name: str, k: int) -> NDArray[np.float64]:
         """The k-th column; raises DataError, which calls it `name`, where it has words."""
         if self.cells[k].dtype == object:
-            raise DataError(f"{name} = {self.cells[k][0][:SHOWN]!r} is not a number; choose another column")
+            call = {"columns": {name: ...}}
+            raise DataError(f"{name} = {self.cells[k][0][:SHOWN]!r} is not a number; choose another column", call=call)
         return self.cells[k]
 
 
