@@ -61,9 +61,7 @@ def read_measurement(
     try:
         if kind is not None and kind not in KINDS:
             raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
-        block = source if isinstance(source, Block) else read_block(source, NEEDED, channel)
-        how.kind = kind or block.kind or None
-        return _Reader(scene, block, how).read()
+        return _Reader(scene, source if isinstance(source, Block) else read_block(source, NEEDED, channel), how).read()
     except DataError as error:
         raise for_user(error, "read_measurement(scene, ", source, vars(how)) from None
 
@@ -74,6 +72,7 @@ class _Reader:
     def __init__(self, scene, block, how):
         self.scene, self.block, self.how, self.table = scene, block, how, block.table
         self.said = said_in(block.table.above)
+        how.kind = how.kind or block.kind or None
         self.roles = Roles(block.table, how)
         self.stages = self._stages()
         self.slides = sliding(self.stages) if self.stages is not None else []
