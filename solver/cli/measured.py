@@ -12,7 +12,11 @@ from ..surfaces import DataError, Profile
 from .pairs import InputError, settings
 
 PAIRS = {"columns": "NAME=COLUMN", "units": "NAME=UNIT", "sign": "NAME=SIGN"}
-IN_PYTHON = re.compile(r"\b(units|columns)\['(\w+)'\]")  # how a refusal calls a part of an argument
+IN_PYTHON = {  # how a refusal calls an argument: the option
+    r"\b(units|columns)\['(\w+)'\]": r"--\1 \2",
+    r'\bunits=\{"(\w+)": "([^"]*)"\}': r"--units \1='\2'",
+    r"\bunit='([^']*)'": r"--units '\1'",
+}
 OF_PROFILES, OF_CURVES, SHARED = ("line", "cut_off"), ("kind", "sign", "deflection", "speed"), ("part", "channel")
 
 
@@ -115,7 +119,9 @@ def _in_words(error):
         pairs = [f"{key}={_shown(each)}" for key, each in value.items()] if isinstance(value, dict) else None
         values = pairs or ([_shown(each) for each in value] if isinstance(value, tuple) else [_shown(value)])
         words.append(" ".join([f"--{name.replace('_', '-')}", *map(shlex.quote, values)]))
-    brief = IN_PYTHON.sub(r"--\1 \2", error.brief)
+    brief = error.brief
+    for python, option in IN_PYTHON.items():
+        brief = re.sub(python, option, brief)
     return f"{brief}; add {' '.join(words)}" if words else brief
 
 

@@ -57,7 +57,7 @@ def _index(table, role, wanted):
         at = [k for k, each in enumerate(names) if each and (each == whole or (each, own[k]) == (name, unit))]
     if len(at) != 1:
         why = "is the name of several; give its number" if at else "is none of them; give a name or a number"
-        raise DataError(f"columns[{role!r}] = {wanted!r} {why}; {table}", table=table)
+        raise DataError(f"columns[{role!r}] = {wanted!r} {why}; {table}", table=table, call={"columns": {role: ...}})
     return at[0]
 
 
@@ -74,13 +74,13 @@ def asked(
     reason: str,
     of: Mapping[str, int | None],
     known: Mapping[str, Mapping[str, float]],
-    units: Mapping[str, str],
+    units: Mapping[str, Any],
     **more: Any,
 ) -> DataError:
     """The DataError that shows a table and asks for the columns and units that are not known of some roles.
 
     of: {role: index, or None for none} of what is known. known: {role: the units that it may have} of all.
-    units: {role: unit} as given. more: other arguments of the call that would read the file.
+    units: {role: unit} as given, or `...` for one that is not clear. more: other arguments of that call.
     """
     columns = {role: called(table, of[role]) if role in of else ... for role in known}
     rest = [column.unit for k, column in enumerate(table.columns) if k not in of.values()]
@@ -91,9 +91,9 @@ def asked(
         suited = [unit for unit in own if is_unit(unit, allowed)]
         if role in units or role in of or not suited:  # a column to come brings its own unit
             wanted[role] = units.get(role, suited[0] if suited else ...)
-    call = {
-        name: values for name, values in (("columns", columns), ("units", wanted)) if {..., None} & {*values.values()}
-    }
+    both = {"columns": columns, "units": wanted}
+    call = {name: values for name, values in both.items() if {..., None} & {*values.values()}}
+    call = call if call or more else both  # nothing is open: the call says all that is read
     return DataError(f"{reason}; {table}", table=table, call=call | more)
 
 
@@ -114,6 +114,7 @@ def for_user(error: DataError, function: str, source: Any, options: Mapping[str,
         own = {name: value for name, value in options.items() if value is not None and value != {}}
         for name in ("columns", "units", "sign"):
             if name in own and name in error.call:
-                error.call[name] = {**error.call[name], **own[name]}
+                unclear = {role: value for role, value in error.call[name].items() if value is ...}
+                error.call[name] = {**error.call[name], **own[name], **unclear}
         error.call = own | error.call
     return error

@@ -61,8 +61,7 @@ def read_measurement(
     try:
         if kind is not None and kind not in KINDS:
             raise DataError(f"kind = {kind!r}: allowed: {', '.join(KINDS)}; give one of these")
-        block = source if isinstance(source, Block) else read_block(source, NEEDED, channel)
-        return _Reader(scene, block, how).read()
+        return _Reader(scene, source if isinstance(source, Block) else read_block(source, NEEDED, channel), how).read()
     except DataError as error:
         raise for_user(error, "read_measurement(scene, ", source, vars(how)) from None
 
@@ -73,6 +72,7 @@ class _Reader:
     def __init__(self, scene, block, how):
         self.scene, self.block, self.how, self.table = scene, block, how, block.table
         self.said = said_in(block.table.above)
+        how.kind = how.kind or block.kind or None
         self.roles = Roles(block.table, how)
         self.stages = self._stages()
         self.slides = sliding(self.stages) if self.stages is not None else []
@@ -120,8 +120,10 @@ class _Reader:
             raise self._asked_sign({"L": ...}, f"L is negative: {PULL}")
         k, (stiffness, said) = self.how.deflection, self._lever()
         if k is not None:
-            if self.kind != "load" or self.units["L"] != "N" or not k > 0.0 or self.roles.heading("delta") == "gap":
-                allowed = "above 0, N/m, of a load in N; a separation has no lever in it"
+            if self.kind == "load" and self.roles.heading("delta") == "gap":
+                raise DataError(f"deflection = {k!r}, but a separation has no lever in it; leave it out")
+            if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
+                allowed = "above 0, N/m, of a load in N"
                 raise DataError(f"deflection = {k!r}: allowed: {allowed}; leave it out, or give units")
             values["delta"] = values["delta"] - 1e9 * values["L"] / k
             whose = "as the file says" if k == stiffness else f"as given; the file says {said}"

@@ -4,7 +4,6 @@ It is imported only for such a file, and needs `pip install "mixed-mode-contact[
 """
 
 import logging
-import struct
 import warnings
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,7 +27,7 @@ ANOTHER = (
 
 
 def read_block(source: Source, needed: str, channel: str | int | None = None) -> Block:
-    """The Block of a force curve, or of a table in text as `read_table` finds it; raises DataError."""
+    """The Block of a force curve, or of a table in text as `table_in` finds it; raises DataError."""
     content = content_of(source)
     if is_force_curve(content):
         return _of_microscope(content, channel)
@@ -46,7 +45,8 @@ def _ending(content):
     """How the name of a file of force curves ends; None for another file."""
     for ending, (beginning, *words) in FORMATS.items():
         if content.startswith(beginning) and all(word in content for word in words):
-            image = ending == ".ibw" and struct.unpack_from("<i", content, THIRD)[0] > 0
+            third = int.from_bytes(content[THIRD : THIRD + 4], "little", signed=True)  # 0 of a file that is cut off
+            image = ending == ".ibw" and third > 0
             return None if image else ending
     return None
 
@@ -55,6 +55,7 @@ def _of_microscope(content, channel):
     """The Block of one of the curves in a file; raises DataError."""
     try:
         import afmformats
+        from afmformats.errors import AFMFileFormatError, MissingMetaDataError
         from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
     except ImportError:
         raise DataError(INSTALL) from None
@@ -70,21 +71,31 @@ def _of_microscope(content, channel):
             return _block(curves, index_of(names, channel, "force curves"))
         except DataError:
             raise
-        except (Exception, afmformats.errors.MissingMetaDataError) as error:  # the latter is no Exception
-            reason = " ".join(f"{error}".split())[:120]
-            why = 'export columns of it as text, and say what 1 V is, as in units={"L": "500 nN"}'
-            raise DataError(f"no force in N can be read ({reason}); {why}") from None
+        except (Exception, AFMFileFormatError, MissingMetaDataError) as error:  # two are no Exception
+            raise _unread(error, isinstance(error, MissingMetaDataError)) from None
+
+
+def _unread(error, uncalibrated):
+    """The DataError for a file that afmformats rejects; uncalibrated: as it lacks what makes newtons of volts."""
+    reason = " ".join(f"{error}".split())[:120] or type(error).__name__
+    if uncalibrated:
+        why = 'export columns of it as text, and say what 1 V is, as in units={"L": "500 nN"}'
+        return DataError(f"no force in N can be read ({reason}); {why}")
+    return DataError(f"this file of force curves cannot be read ({reason}); export its columns as text")
 
 
 def _block(curves, index):
-    """A curve as a Block, in N and m."""
+    """A curve as a Block, in N and m; raises DataError for one without points."""
     from afmformats.afm_data import column_units
 
     curve = curves[index]
+    read = {name: np.asarray(curve[name], np.float64) for name in curve.columns}
+    if not read or not min(column.size for column in read.values()):
+        raise DataError(f"force curve {index + 1} of {len(curves)} has no points; choose another curve or file")
     # of other modes, numbers count segments: 1 is no retraction
-    segmented = curve.modality == "force-distance" and np.ptp(curve["segment"]) > 0
-    names = [name for name in curve.columns if name != "segment" or segmented]
-    cells = [np.asarray(curve[name], np.float64) for name in names]
+    if "segment" in read and not (curve.modality == "force-distance" and np.ptp(read["segment"]) > 0):
+        del read["segment"]
+    names, cells = list(read), list(read.values())
     columns = tuple(
         Column(name, column_units.get(name) or None, *range_of(own)) for name, own in zip(names, cells, strict=True)
     )
@@ -93,4 +104,4 @@ def _block(curves, index):
     first = tuple(tuple(f"{own[k]:.6g}" for own in cells) for k in range(min(FIRST, cells[0].size)))
     notes = (f"Force curve {index + 1} of {len(curves)}.",) if len(curves) > 1 else ()
     table = Table(columns, first, above, cells[0].size)
-    return Block(table, cells, np.arange(1, cells[0].size + 1), notes)
+    return Block(table, cells, np.arange(1, cells[0].size + 1), notes, "load")

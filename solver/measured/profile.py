@@ -165,9 +165,10 @@ def _given_units(of, how):
 
 
 def _asked(table, reason, of, how):
-    """The DataError that asks for columns and units that are not known."""
+    """The DataError that asks for columns and units that are not known; a unit that is two is one of them."""
+    two = {role for role, unit in _file_units(table, of).items() if unit and " or " in unit}
     sure = {role: unit for role, unit in _file_units(table, of).items() if is_unit(unit)} | _given_units(of, how)
-    return asked(table, reason, of, {"x": NM, "z": NM}, sure)
+    return asked(table, reason, of, {"x": NM, "z": NM}, dict.fromkeys(two, ...) | sure)
 
 
 def _units(table, of, how):
@@ -175,7 +176,9 @@ def _units(table, of, how):
     file, own, sizes, read = _file_units(table, of), _given_units(of, how), {}, []
     for role, unit in file.items():
         if role in own:
-            sizes[role] = agreed(own[role], unit, name=f"units[{role!r}]" if role in how.units else "unit")
+            alone = role not in how.units  # `unit` cannot say what 1 of one column is
+            name = "unit" if alone else f"units[{role!r}]"
+            sizes[role] = agreed(own[role], unit, name=name, role=role if alone else "")
         elif is_unit(unit):
             sizes[role] = factor(unit)
         else:

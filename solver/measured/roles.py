@@ -36,6 +36,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
+SECOND = {"gap": ("tipposition",), "height": ("heightpiezo",)}  # read where no other name is one of DEEP
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 SURE = (  # kind, over one of, one of; the first that a heading names is meant
@@ -83,10 +84,14 @@ class Roles:
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
         self.table, self.how = table, how
         recognised_ones, self.several = recognised(table, NAMED)
+        second, _ = recognised(table, SECOND)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
-        self.own = {k: role for role, k in recognised_ones.items()}
-        self.known = {role: k for role, k in (recognised_ones | self.given).items() if k is not None}
+        self.own = {k: role for role, k in (*second.items(), *recognised_ones.items())}
+        if not {*DEEP, "displacement"} & {*recognised_ones, *self.several}:
+            recognised_ones |= dict(list(second.items())[:1])
+        others = {role: k for role, k in recognised_ones.items() if k not in self.given.values()}
+        self.known = {role: k for role, k in (others | self.given).items() if k is not None}
         self.of: dict[str, int] = {}
         self.noted: tuple[str, ...] = ()
         self.notes: list[str] = []
@@ -103,6 +108,7 @@ class Roles:
         if heading in ("height", "gap", "position"):  # also one that an argument calls delta
             self.role["delta"] = heading
         self.over = next(iter(self.of))
+        self._reject_units()
         self.scaled = {name: scaled for name in self.of if (scaled := self._unit(name))}
         if missing := [name for name in list(self.of)[:2] if name not in self.scaled]:
             raise self._asked_units(missing)
@@ -185,13 +191,26 @@ class Roles:
         known = {name: UNITS_OF.get(name, LENGTHS) for name in names}
         return asked(self.table, reason, of, known, self.how.units, **more)
 
+    def _reject_units(self):
+        """Raises DataError for a unit of what is no column of the file."""
+        there = dict.fromkeys([*self.of, *self.known, *(quantity_of(role, self.kind) for role in self.known)])
+        there = [role for role in there if role in ROLES and role not in ("segment", "stage")]
+        for role in self.how.units:
+            if role not in there:
+                raise DataError(
+                    f"units has {role!r}, and no column is that; there are {', '.join(there)}; leave it out"
+                )
+
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
         role, column, force = self.role[name], self.table.columns[self.of[name]], self.how.force
-        wanted, own, known = self.how.units.get(name), column.unit, UNITS_OF.get(name, LENGTHS)
+        wanted, own = self.how.units.get(name, self.how.units.get(role)), column.unit
+        known = UNITS_OF.get(name, LENGTHS)
         if role.endswith("_bar"):
             if unit := wanted or (own if own and named_unit(own) else None):
-                raise DataError(f"{role} has no unit, and {unit} is one; leave it out, or give the column as {name}")
+                call = {} if wanted or role in self.given else {"columns": {name: called(self.table, self.of[name])}}
+                remedy = f"{'leave it out, or ' * bool(wanted)}give the column as {name}"
+                raise DataError(f"{role} has no unit, and {unit} is one; {remedy}", table=self.table, call=call)
             return 1.0, "w" if name == "A" else "w E"
         if force is not None and name in ("F", "L"):
             if wanted or own in PER_WIDTH or own == "F_s":

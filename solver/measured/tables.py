@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .content import Source, content_of, text_of
+from .content import text_of
 from .headings import LABEL, heading_of
 from .layout import LONGEST, MISSING, is_number, layout_of, reject_wide
 
@@ -59,17 +59,22 @@ class Table(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A Table with its cells: a column each, of float64 (k,) or of words; lines (k,): their numbers in the file."""
+    """A Table with its cells: a column each, of float64 (k,) or of words; lines (k,): their numbers in the file.
+
+    kind: of the curve, where the format tells it.
+    """
 
     table: Table
     cells: list[NDArray[Any]]
     lines: NDArray[np.int64]
     notes: tuple[str, ...]
+    kind: str = ""
 
     def numbers(self, name: str, k: int) -> NDArray[np.float64]:
         """The k-th column; raises DataError, which calls it `name`, where it has words."""
         if self.cells[k].dtype == object:
-            raise DataError(f"{name} = {self.cells[k][0][:SHOWN]!r} is not a number; choose another column")
+            call = {"columns": {name: ...}}
+            raise DataError(f"{name} = {self.cells[k][0][:SHOWN]!r} is not a number; choose another column", call=call)
         return self.cells[k]
 
 
@@ -79,20 +84,15 @@ def _shown(column):
     return f"{name}{unit} {column.low:.4g} .. {column.high:.4g}" if column.low == column.low else f"{name} of words"
 
 
-def read_table(source: Source, needed: str, channel: str | int | None = None) -> Block:
-    """Finds the table in a file, or in its content.
+def table_in(content: str | bytes, needed: str, channel: str | int | None = None) -> Block:
+    """Finds the table in the content of a file.
 
     Semicolons, tabs, commas or blanks separate columns; numbers may have decimal commas, except between commas. Blank
     lines and text after # are skipped. The heading is the line above the first row, and may have a row of units below.
-    Parameters: source: a path, a text without a line break being one; the content as text or bytes; or an open file.
-    needed: what a file should have, for messages. channel: the number of a table, from 1 on, where there are several.
+    Parameters: content: of a file, as text or bytes. needed: what a file should have, for messages. channel: the number
+    of a table, from 1 on, where there are several.
     Returns a Block. Raises DataError.
     """
-    return table_in(content_of(source), needed, channel)
-
-
-def table_in(content: str | bytes, needed: str, channel: str | int | None = None) -> Block:
-    """As `read_table`, of the content of a file."""
     raw = _lines(text_of(content))
     lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
     layout = layout_of(lines)

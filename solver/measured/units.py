@@ -1,5 +1,6 @@
 """Units of lengths, forces and times, as headings name them; nothing is read from prose."""
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from unicodedata import normalize
@@ -96,8 +97,10 @@ def quantity(unit: str) -> str:
     return next((name for name, known in READ_IN.items() if is_unit(word, known)), "")
 
 
-def agreed(given: str, own: str | None, known: Mapping[str, float] = LENGTHS, name: str = "unit") -> float:
-    """`factor` of a unit that an argument gives; own: the unit that the file names, or None.
+def agreed(
+    given: str, own: str | None, known: Mapping[str, float] = LENGTHS, name: str = "unit", role: str = ""
+) -> float:
+    """`factor` of a unit that an argument gives for a role; own: the unit that the file names, or None.
 
     An argument replaces no unit: raises DataError where both differ, unless `given` says what 1 of the other is, as
     "10 N" does of V.
@@ -105,9 +108,10 @@ def agreed(given: str, own: str | None, known: Mapping[str, float] = LENGTHS, na
     size = factor(given, known, name)
     if own and named_unit(own):
         same, number = quantity(own) == quantity(given), TIMES.fullmatch(plain_unit(given))
+        example = f'units={{"{role}": "10 {given}"}}' if role else f'"10 {given}"'
         remedies = ["leave it out"] if is_unit(own, known) else []
-        remedies.append("correct the file" if same else f'say what 1 {own} is, as "10 {given}"')
-        if (factor(own, known) != size) if same else not number:
+        remedies.append("correct the file" if same else f"say what 1 {own} is, as {example}")
+        if not math.isclose(factor(own, known), size) if same else not number:
             raise DataError(f"{name} = {given!r}, but the file names {own}; {', or '.join(remedies)}")
     return size
 

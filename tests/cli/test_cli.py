@@ -344,6 +344,13 @@ def test_a_measured_curve_is_compared_once_the_options_that_its_refusal_names_ar
     assert code == 2 and "--units L = 'N/m', but the file names N; leave it out" in err
 
 
+def test_a_refusal_says_what_1_of_a_unit_is_in_an_option(call, tmp_path):
+    file = tmp_path / "volts.csv"
+    file.write_text("x (nm),z (V)\n" + "".join(f"{k},{np.cos(0.1 * np.pi * k):.6g}\n" for k in range(41)))
+    code, _, err = call("run", "--set", f"profile={file}", "nodes=64", "--units", "nm")
+    assert code == 2 and "say what 1 V is, as --units z='10 nm'" in err and "units=" not in err
+
+
 def test_a_profile_replaces_the_surface_of_a_preset_but_not_one_that_is_named(tmp_path):
     file = tmp_path / "hills.csv"
     file.write_text("x (nm),z (nm)\n" + "".join(f"{x},{np.cos(2 * np.pi * x / 160)}\n" for x in range(161)))

@@ -27,7 +27,7 @@ CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
     (curve, "U_x (nm),F (V)", {"units": {"F": "N"}}, 'names V; say what 1 V is, as "10 N"'),
     (curve, "U_x (s),F (N)", {"units": {"U_x": "nm"}}, 'names s; say what 1 s is, as "10 nm"'),
     (curve, "U_x (nm),A (nm)", {"units": {"A": "A_0"}}, "units['A'] = 'A_0', but the file names nm; leave it out"),
-    (curve, "U_x (nm),F_bar (N/m)", {}, "F_bar has no unit, and N/m is one; leave it out, or give the column as F"),
+    (curve, "U_x (nm),F_bar (N/m)", {}, "F_bar has no unit, and N/m is one; give the column as F; call"),
     (curve, "U_x (nm),Force (N)", {"columns": {"F_bar": 2}}, "F_bar has no unit, and N is one"),
     (curve, "U_x (nm),F_bar", {"units": {"F": "N"}}, "F_bar has no unit, and N is one"),
     (curve, "U_x (nm),F (N/m)", {"force": 1e3}, "force = 1000, but F is in N/m; leave force out"),
@@ -37,6 +37,11 @@ CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
     (curve, "separation (nm),L (N)", {"deflection": 2.0, "sign": {"L": 1}}, "a separation has no lever in it"),
     (profile, "x (nm),z (nm)", {"unit": "um"}, "unit = 'um', but the file names nm; leave it out"),
     (profile, "x (nm),z (V)", {"units": {"z": "nm"}}, 'names V; say what 1 V is, as "10 nm"'),
+    (profile, "x (nm),z (V)", {"unit": "nm"}, 'say what 1 V is, as units={"z": "10 nm"}'),
+    (curve, "U_x (nm),F_bar", {"units": {"F_bar": "N/m"}}, "F_bar has no unit, and N/m is one; leave it out, or give"),
+    (curve, "time (s),Fx (N)", {"units": {"U_x": "um"}, "speed": 1.0}, "has 'U_x', and no column is that; there"),
+    (curve, "U_x (nm),F (N)", {"units": {"A": "um"}}, "units has 'A', and no column is that; there are U_x, F; leave"),
+    (curve, "delta (nm),L (N)", {"deflection": -1.0}, "allowed: above 0, N/m, of a load in N; leave it out, or give"),
     (profile, "X units: um\nx (nm),z (nm)", {}, "x in 'nm or um'; allowed units: nm"),
 ]  # fmt: skip
 
@@ -67,6 +72,48 @@ def test_two_units_of_one_column_are_settled_by_an_argument():
 
 def test_a_column_is_named_with_its_unit_as_well():
     assert curve("Way [nm],Pull (N)", columns={"U_x": "Way [nm]", "F": "pull (n)"}).kind == "friction"
+
+
+def test_the_remedy_for_a_unit_of_both_columns_reads_the_file():
+    found = profile("x (nm),z (V)", unit="nm", units={"z": "0.5 nm"})
+    assert np.ptp(found.z) == pytest.approx(4.0) and found.length == pytest.approx(640.0)
+
+
+@pytest.mark.parametrize("name", ["F_bar", 2])
+def test_a_normalised_force_with_a_unit_is_read_as_the_force_it_is_given_as(name):
+    found = curve("U_x (nm),F_bar (N/m)", columns={"F": name}, units={"F": "N/m"})
+    assert found.units["F"] == "N/m" and found.segments[0].values["F"][0] == pytest.approx(2.0)
+
+
+def test_a_unit_by_another_prefix_is_the_same_unit():
+    text = "U_x (nm),F (uN)"
+    given, own = (curve(text, **how).segments[0].values["F"] for how in ({"units": {"F": "1000 nN"}}, {}))
+    assert given == pytest.approx(own)
+
+
+CALLED = [  # (function, heading, arguments, the end of the call, what fills its dots)
+    (profile, "Lateral units: um\nx (nm),z (nm)", {}, {"units": {"x": ..., "z": "nm"}}, {"x": "nm"}),
+    (curve, "U_x (nm),F_bar (N/m)", {}, {"columns": {"F": "F_bar"}}, {}),
+    (curve, "U_x (nm),F (N/m)", {"columns": {"F": "F [N]"}}, {"columns": {"F": ...}}, {"F": "F"}),
+    (profile, "x (nm),z (nm)", {"columns": {"x": 1, "z": "depth"}}, {"columns": {"x": 1, "z": ...}}, {"z": "z"}),
+]
+
+
+@pytest.mark.parametrize(("read", "heading", "how", "call", "answers"), CALLED)
+def test_a_refusal_of_columns_ends_in_a_call_that_reads_the_file(read, heading, how, call, answers):
+    with pytest.raises(DataError, match=r"; call read_\w+\(.*\)$") as refused:
+        read(heading, **how)
+    assert refused.value.call == call
+    for values in call.values():
+        values.update(answers)
+    read(heading, **call)
+
+
+def test_a_normalised_area_in_percent_is_read_once_its_column_is_given_as_an_area():
+    heading = "U_x (nm),A_bar (%)"
+    with pytest.raises(DataError, match=r"and % is one; give the column as A; call"):
+        curve(heading)
+    assert curve(heading, columns={"A": "A_bar"}, units={"A": "0.01 A_0"}).units["A"] == "A_0"
 
 
 def approach(names, above="# spring constant: 0.5 N/m"):

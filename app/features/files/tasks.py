@@ -1,5 +1,6 @@
 """Reads the file of a visitor as it is chosen, for workers."""
 
+import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +19,7 @@ from solver.measured.periodic import proposed
 from solver.measured.roles import NAMED
 from solver.measured.said import lever_in
 from solver.measured.tables import SHOWN, Block, Table
-from solver.measured.units import units_above
+from solver.measured.units import named_unit, units_above
 
 NEEDED = "columns of numbers: x and z of a surface, or two quantities of a curve"
 SURFACE = "surface"
@@ -41,6 +42,12 @@ DRAWN = 400  # points of a drawing
 FAR = 60.0  # nm: of a longer load, which no run covers, the part from the contact on is proposed
 LEFT, STEADY = 6.0, 5  # scatters by which a load has left its line, for so many points
 CUT_OFF = {"cut_off": "remove waves shorter than (nm)"}
+IN_WORDS = {  # how a refusal calls an argument: how the page calls it
+    r"\bunits\['(\w+)'\]": r"the unit of \1",
+    r"\bcolumns\['(\w+)'\]": r"the column of \1",
+    r'\bunits=\{"(\w+)": ("[^"]*")\}': r"\2 of \1",
+    r"\bunit='([^']*)'": r"\1",
+}
 SPACING = {"spacing": "distance of the rows, such as 0.5 um, where no column is x"}
 LINE = {"line": "line of a map, such as row 12 or column 12"}
 
@@ -92,8 +99,10 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
 
 
 def _without_table(error):
-    """The reason of a DataError: the page shows the table itself."""
+    """The reason of a DataError in words of the page, which shows the table itself."""
     text = error.brief
+    for python, words in IN_WORDS.items():
+        text = re.sub(python, words, text)
     for mark in ("; ", " "):
         text = text.replace(f"{mark}{error.table}", "") if error.table is not None else text
     return text
@@ -102,7 +111,7 @@ def _without_table(error):
 def _of_table(scene, block, chosen, seen):
     """Read a Block; fills `seen`."""
     table = block.table
-    kind = chosen.kind or _kind(table, chosen.columns)
+    kind = chosen.kind or block.kind or _kind(table, chosen.columns)
     meant = [*dict.fromkeys(role for side in SIDES[kind] for role in side), *BESIDE.get(kind, ())] if kind else ROLES
     columns = {role: k for role, k in chosen.columns.items() if role in meant and 0 <= k < len(table.columns)}
     columns = columns if chosen.columns else _columns(table, kind)
@@ -198,6 +207,7 @@ def _curve(scene, block, columns, chosen, seen):
     seen["fields"] = {"speed": "speed (nm/s)"} if "time" in columns else {}
     if chosen.columns:
         bars = recognised(block.table, NAMED)[0]
+        bars = {role: k for role, k in bars.items() if not named_unit(block.table.columns[k].unit or "")}
         named = {f"{role}_bar" if bars.get(f"{role}_bar") == k else role: k for role, k in columns.items()}
         options["columns"] = dict.fromkeys(("U_x", "time", "F", "L", "A")) | {name: k + 1 for name, k in named.items()}
     options["units"] = {role: unit for role, unit in chosen.units.items() if role in columns}

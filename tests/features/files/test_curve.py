@@ -66,7 +66,16 @@ def jpk(key, name="height"):
     return (head + "\n".join(f"{1e-6 - 1e-9 * x:.6e} {1e-9 * x:.6e}" for x in range(31))).encode()
 
 
-SPRINGS = ("springConstant: 0.5", "Spring Constant (N/m): 0.5", "spring constant = 500 pN/nm")
+SPRINGS = (
+    "springConstant: 0.5 N/m",
+    "Spring Constant (N/m): 0.5",
+    "spring constant = 500 pN/nm",
+    "Force conversion: 500\n# Spring constant (N/m): 0.5",
+    "Force control gain: 3\n# Spring constant (N/m): 0.5",
+    "Spring constant calibrated: 12.03.2024\n# Spring constant (N/m): 0.5",
+    "Spring constant: 45\n# Spring constant (N/m): 0.5",
+    "springConstant: 2 V/nm\n# Stiffness of the lever: 0.5 N/m",
+)
 
 
 @pytest.mark.parametrize("key", SPRINGS)
@@ -84,6 +93,36 @@ def test_the_lever_is_not_taken_off_a_separation_or_in_an_unknown_unit():
     for file in (jpk("springConstant: 0.5", "tipSampleSeparation"), jpk("springConstant: 0.5 V/nm")):
         seen, curve = look(Scene(), file, Chosen())
         assert seen["deflection"] is None and np.ptp(curve.segments[0].x) == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize("key", ["Sample stiffness: 3 N/m", "Frame stiffness: 5e6 N/m", "Force conversion: 500 N/m"])
+def test_a_stiffness_of_something_else_is_no_lever(key):
+    seen, curve = look(Scene(), jpk(key), Chosen())
+    assert seen["deflection"] is None and "deflection" not in shown(curve)["notes"]
+
+
+@pytest.mark.parametrize("key", ["springConstant: 45", "Spring constant calibrated: 2024"])
+def test_a_stiffness_without_a_unit_is_named_and_not_filled_in(key):
+    seen, curve = look(Scene(), jpk(key), Chosen())
+    assert seen["deflection"] is None and f"The file says {key.replace(':', ' =')}" in shown(curve)["notes"]
+
+
+def test_a_date_above_the_columns_is_no_stiffness():
+    rows = "".join(f"{100 - k},{2e-9 * k}\n" for k in range(41))
+    text = f"# Spring constant calibrated: 12.03.2024\nHeight (nm),Force (N)\n{rows}".encode()
+    assert look(Scene(), text, Chosen(kind="load"))[1].kind == "load"
+
+
+def test_a_refusal_names_a_unit_in_words_of_the_page():
+    rows = text("U_x (nm),F (mN)", U_X, U_X)
+    why = look(Scene(), rows, Chosen(units={"F": "N/m"}))[0]["why"]
+    assert why == "the unit of F = 'N/m', but the file names mN; leave it out, or say what 1 mN is, as \"10 N/m\""
+
+
+def test_a_normalised_force_with_a_unit_is_read_as_a_force_once_its_column_is_chosen():
+    rows = text("U_x (nm),F_bar (N/m)", U_X, U_X)
+    assert look(Scene(), rows, Chosen())[0]["why"].endswith("give the column as F")
+    assert look(Scene(), rows, Chosen(columns={"U_x": 0, "F": 1}))[1].units["F"] == "N/m"
 
 
 def test_friction_over_time_asks_for_the_speed_and_uses_it():

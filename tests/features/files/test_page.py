@@ -264,7 +264,7 @@ def test_load_over_approach_finds_its_zero_and_asks_for_the_path_that_has_it(vis
 def test_the_stiffness_of_a_lever_that_the_file_names_is_in_its_field_and_stays_removed(visit):
     page = visit(ADDRESS)
     rows = "\n".join(f"{1e-6 - 1e-9 * x:.6e} {1e-9 * x:.6e}" for x in range(31))
-    drop(page, f"# springConstant: 2\n# segment: extend\n# columns: height vDeflection\n# units: m N\n{rows}")
+    drop(page, f"# springConstant: 2 N/m\n# segment: extend\n# columns: height vDeflection\n# units: m N\n{rows}")
     lever = page.get_by_label("stiffness of the lever (N/m)")
     assert lever.input_value() == "2"
     page.locator("#file-says", has_text="over approach, 15 nm,").wait_for()
