@@ -57,6 +57,7 @@ def _of_microscope(content, channel):
         import afmformats
         from afmformats.errors import AFMFileFormatError, MissingMetaDataError
         from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
+        from afmformats.meta import MetaDataMissingError
     except ImportError:
         raise DataError(INSTALL) from None
     ArchiveCache.max_archives = 1  # else the files of 32 visitors stay open
@@ -71,7 +72,7 @@ def _of_microscope(content, channel):
             return _block(curves, index_of(names, channel, "force curves"))
         except DataError:
             raise
-        except (Exception, AFMFileFormatError, MissingMetaDataError) as error:  # two are no Exception
+        except (Exception, AFMFileFormatError, MissingMetaDataError, MetaDataMissingError) as error:  # three are none
             raise _unread(error, isinstance(error, MissingMetaDataError)) from None
 
 
