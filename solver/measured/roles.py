@@ -156,9 +156,8 @@ class Roles:
             own, other = ("L_bar", "L") if value == "F_bar" else ("L", "L_bar")
             if other in self.known and own not in self.known:
                 self.noted = ("L", "L_bar")
-                self.notes.append(
-                    f"{other} is left out beside {quantity_of(value, kind)}; give {own}: w E may be free."
-                )
+                beside = "F_bar" if value == "F_bar" else "F"
+                self.notes.append(f"{other} is left out beside {beside}; give {own}: w E may be free.")
             role |= {quantity_of(each, kind): each for each in (own, *reversed(AREAS)) if each in self.known}
         return role
 
