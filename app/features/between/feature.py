@@ -4,11 +4,14 @@ from functools import partial
 from typing import Any
 
 from app import interface
+from app.document import on_loop
 from app.features.between import tasks
 from app.session import orders
 from app.session.orders import order
 from solver import Scene
 from solver.following.skeleton import Skeleton
+
+PAUSE = 500  # ms between two branches of a drag, whose predictions need the workers: without, a third fewer came
 
 
 class Feature(interface.Feature):
@@ -25,7 +28,7 @@ class Feature(interface.Feature):
         self.shown = False
         self.skeleton: Skeleton | None = None  # of the newest run or prediction
         self.exact = True  # whether it is that of a run
-        self.drawn = False  # whether the browser has something
+        self.drawn = self.pauses = False  # whether the browser has something; whether predictions have the workers
 
     def requested(self, scene: Scene) -> None:
         """Remove the branches: they belong to another scene. Those of predictions follow a held slider."""
@@ -34,9 +37,10 @@ class Feature(interface.Feature):
         self.skeleton = None
 
     def predicted(self, skeleton: Skeleton) -> None:
-        """Compute the branch of a prediction, as soon as that of an earlier one is there."""
+        """Compute the branch of a prediction, PAUSE after that of an earlier one."""
         self.skeleton, self.exact = skeleton, False
-        self._ask()
+        if not self.pauses:
+            self._ask()
 
     def ended(self, run: Any, skeleton: Skeleton | None) -> None:
         """Compute the branches of a run, if it can be followed."""
@@ -68,5 +72,11 @@ class Feature(interface.Feature):
     def _made(self, skeleton, exact, made):
         branches, why = made or ([], "The unstable branch could not be computed.")
         self._send(branches, why, exact)
-        if not exact and self.skeleton is not skeleton:
+        if not exact:
+            self.pauses = True
+            self.session.doc.add_timeout_callback(on_loop(self._go_on, skeleton), PAUSE)
+
+    def _go_on(self, skeleton):
+        self.pauses = False
+        if not self.session.closed and not self.exact and self.skeleton is not skeleton:
             self._ask()

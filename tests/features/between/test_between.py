@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from visitor import messages, order
+from visitor import ended, messages, order
 
 from app.features.between import tasks
 from solver import Scene, skeleton_of, unstable_branch
@@ -52,6 +52,8 @@ def test_while_a_slider_is_held_one_branch_after_the_other_is_computed_and_then_
     order(session, "unstable", shown=True)
     others = [skeleton_of(SCENE.changed(E=E)) for E in (71.0, 72.0, 73.0)]
     session.pursuit.held = True
+    later = []
+    session.doc.add_timeout_callback = lambda call, ms: later.append(call)
     for other in others:  # the pictures of a drag, which come faster than branches
         made.requested(other.scene)
         made.predicted(other)
@@ -59,6 +61,12 @@ def test_while_a_slider_is_held_one_branch_after_the_other_is_computed_and_then_
     assert call[1] is others[0]
     made._answered(call, call[0](*call[1:]))
     assert not sent[-1]["exact"] and len(sent[-1]["list"]) == len(others[0].slips)
+    assert not made.waiting  # for a while predictions have the workers
+    made.predicted(others[1])
+    made.predicted(others[2])
+    assert not made.waiting
+    (go_on,) = later
+    ended(go_on())
     (call,) = made.waiting
     assert call[1] is others[-1]
     made.ended(SimpleNamespace(scene=SCENE), skeleton)  # the exact run takes the place of what is left
@@ -77,6 +85,7 @@ def test_a_preset_and_a_run_that_cannot_be_followed_leave_no_branch_of_a_predict
     made, sent = session.features["between"], messages(session)
     order(session, "unstable", shown=True)
     for ends in (lambda: made.ended(SimpleNamespace(scene=SCENE), None), lambda: made.requested(Scene())):
+        made.pauses = False
         made.predicted(skeleton)
         (call,) = made.waiting
         made._answered(call, call[0](*call[1:]))
