@@ -11,7 +11,7 @@ from app.session.orders import order
 from solver import Scene
 from solver.following.skeleton import Skeleton
 
-PAUSE = 500  # ms between two branches of a drag, whose predictions need the workers: without, a third fewer came
+PAUSE = 1000  # ms between two branches of a drag, whose predictions need the workers: without, a third fewer came
 
 
 class Feature(interface.Feature):
