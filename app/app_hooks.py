@@ -4,7 +4,6 @@ import gc
 import logging
 import os
 import signal
-from concurrent.futures import CancelledError
 from contextlib import suppress
 from pathlib import Path
 from threading import Thread
@@ -24,7 +23,8 @@ from app.experiment import LOOK, example, visitors
 from app.page import shared
 from app.service import metrics, worker
 from app.service.caller import Lost
-from app.service.pool import LATER, NOBODY, pool
+from app.service.job import LATER, NOBODY, Job
+from app.service.pool import pool
 
 log = logging.getLogger("app")
 server_log.configure()  # before Bokeh logs the first line
@@ -55,8 +55,8 @@ def _end_with_parent():
 
 def _load():
     """Load what features need for later visitors, after a worker has compiled the kernels."""
-    with suppress(Lost, CancelledError):
-        pool.submit(worker.ready, owner=NOBODY, rank=LATER).result()
+    with suppress(Lost):
+        pool.submit(Job((worker.ready,), NOBODY, LATER)).result()
         for feature in interface.classes().values():
             feature.load()
     gc.collect()

@@ -70,8 +70,8 @@ def frozen(doc: Document) -> AbstractContextManager[None]:
     return doc.models.freeze()
 
 
-def sending(doc: Document | Kernel) -> AbstractContextManager[None]:
-    """Return a context in which Panel sends changes of a document at once, so that they arrive in their order.
+def current(doc: Document | Kernel) -> AbstractContextManager[None]:
+    """Return a context in which a document is Panel's current one; its changes are sent at once, so in their order.
 
     Under Bokeh 3.9 Panel does not know that a coroutine function called by a worker's thread belongs to a document. It
     puts these changes off until the next callback, and others overtake them.

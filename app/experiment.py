@@ -112,7 +112,7 @@ class Experiment(Viewer):
     def send(self, kind: str, **content: Any) -> None:
         """Set a parameter of the Stage to a dictionary, whose values are those of JSON, or bytes."""
         if not self.closed:
-            with document.sending(self.doc):
+            with document.current(self.doc):
                 self.stage.param.update({kind: content | {"sent": next(self.sent)}})
 
     def may_change(self, model: str, attribute: str) -> bool:
@@ -149,7 +149,7 @@ class Experiment(Viewer):
             self.acknowledged = given["n"]
         try:
             if "content" in given:
-                with document.sending(self.doc):
+                with document.current(self.doc):
                     self.stage.param.update({name: {}})  # nothing keeps a file
             method, values = orders.read(self.orders[name], given)
             method(**values)

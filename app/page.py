@@ -16,9 +16,9 @@ from bokeh.embed.util import RenderItem
 from bokeh.resources import Resources
 from panel.io.resources import Resources as PanelResources
 from panel.io.resources import bundle_resources
-from panel.io.state import set_curdoc
 
 from app import assets, interface, modules, schema
+from app.document import current
 from app.server_log import reach
 from app.session.controls import CONTROLS, FOR_BROWSER, FOR_SERVER, scene_from_address, values_of
 from solver.presets import presets
@@ -59,7 +59,7 @@ def shared(document: Callable[[Document], None]) -> Shared:
     The browser finds roots by their order, so that these of an example may stand for them.
     """
     doc, root = Document(), assets.root(HERE.name)
-    with set_curdoc(doc):
+    with current(doc):
         document(doc)
         resources = PanelResources.from_bokeh(Resources(mode="server", root_url="./"))
         resources.components = ["bokeh", "bokeh-widgets", "bokeh-tables"]  # needed by those of Panel

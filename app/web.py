@@ -17,12 +17,12 @@ from typing import Any
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id
 from panel.io.resources import Resources
 from panel.io.server import DocHandler, server_html_page_for_session
-from panel.io.state import set_curdoc
 from tornado.ioloop import IOLoop
 from tornado.web import RequestHandler, authenticated
 
 from app import assets, interface
 from app.assets import content, version
+from app.document import current
 from app.environment import FRAMES, VISITORS
 from app.experiment import example
 from app.page import shared
@@ -163,7 +163,7 @@ class Page(Plain, DocHandler):
         doc, resources = session.document, Resources.from_bokeh(self.application.resources())
         resources.components = ["bokeh", "bokeh-widgets", "bokeh-tables"]  # needed by those of Panel
         own = {"template": doc.template, "template_variables": doc.template_variables}
-        with set_curdoc(doc):  # Panel then finds the theme of this visitor
+        with current(doc):  # Panel then finds the theme of this visitor
             page = server_html_page_for_session(session, resources, doc.title, token, **own)
         return re.sub(r"<script(?=[ >])", f'<script nonce="{nonce}"', page)
 

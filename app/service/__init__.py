@@ -1,1 +1,1 @@
-"""Worker processes, the tasks that they run, and the caches that all visitors share."""
+"""Worker processes, the jobs that they do, and the caches that all visitors share."""

@@ -27,14 +27,17 @@ starting = RLock()
 
 
 class Lost(Exception):
-    """A call without a result: kind 'hang', 'crash', 'absent' or 'error', and the reason; of an error its traceback."""
+    """A call without a result: kind 'hang', 'crash', 'absent', 'closed' or 'error', and why; of an error its traceback.
+
+    A visitor sees it as str.
+    """
 
     def __init__(self, kind: str, reason: str) -> None:
         super().__init__(kind, reason)
         self.kind, self.reason = kind, reason
 
     def __str__(self) -> str:
-        return self.reason
+        return "the server could not compute it; its log says why" if self.kind == "error" else self.reason
 
 
 class Caller:

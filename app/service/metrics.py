@@ -17,8 +17,8 @@ COUNTERS = {  # counters since the start
     "followed": "pictures of predicted runs during drags of sliders",
     "certified": "predicted runs that were checked and are exact",
     "not_certified": "predicted runs that were checked and are not, or not surely",
-    "tasks": "tasks that workers finished",
-    "tasks_lost": "tasks that took too long or lost their worker",
+    "tasks": "calls that workers finished",
+    "tasks_lost": "calls that took too long or lost their worker",
     "worker_restarts": "workers replaced",
     "rejected_messages": "rejected messages of browsers: the page sends no such message",
 }

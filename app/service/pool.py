@@ -1,8 +1,8 @@
 """The worker processes that all visitors share. They warm up when the server starts; each slot replaces a lost worker.
 
-Sessions and pages use only `submit` (a pure function of picklable arguments), `abandon`, `position`, `status` and
-`why`. A worker is a process of this machine, or any object with the methods of `app.service.caller.Caller` that this
-module calls: with APP_SCHEDULER it is a worker of a dask cluster (`app.service.cluster`).
+Others use only `submit`, `move_up`, `abandon`, `position`, `status` and `why`. A worker is a process of this machine,
+or any object with the methods of `app.service.caller.Caller` that this module calls: with APP_SCHEDULER it is a worker
+of a dask cluster (`app.service.cluster`).
 """
 
 import atexit
@@ -20,15 +20,16 @@ from app.environment import CLUSTER, WORKERS
 from app.service import metrics, worker
 from app.service.caller import Caller, Lost
 from app.service.cluster import Cluster
-from app.service.fair_queue import EXACT, HEAVY, LATER, NOBODY, PATIENCE, SCREEN, FairQueue, Task
+from app.service.fair_queue import FairQueue
+from app.service.job import EXACT, HEAVY, LATER, NOBODY, SCREEN, Job
 
 log = logging.getLogger("app")
 set_forkserver_preload([worker.__name__])  # imports take two thirds of a worker's start
-__all__ = ["EXACT", "HEAVY", "LATER", "NOBODY", "SCREEN", "FairQueue", "Pool", "Task", "pool"]
+PATIENCE = 20.0  # s beyond the time that a call should take; then its process is killed. A busy server is slow
 LOOK = 0.5  # s between two checks that the process of an idle worker lives
 WARMING = 300.0  # s to compile the kernels on a slow machine
-STARTS = 3  # failed starts of a slot in a row before waiting tasks fail
-GIVE_UP = 60.0  # s since a worker was last ready before waiting tasks fail
+STARTS = 3  # failed starts of a slot in a row before waiting jobs fail
+GIVE_UP = 60.0  # s since a worker was last ready before waiting jobs fail
 SILENT = 60.0  # s without an answer of any worker before the pool counts as dead
 MOST_WORKERS = 16  # of a cluster, by default; a slot without a worker looks for one every few seconds
 OPEN = (
@@ -36,6 +37,7 @@ OPEN = (
     " Use it in a trusted network only, or use tls://"
 )
 STOPS = 10.0  # s that a cancelled call may still take. After that its process is killed
+STOPPED = "the server is being stopped"
 TRIES = 10  # messages within STOPS that ask for it: the first may come before the call does
 PAUSES = (0.0, 0.5, 1.0, 2.0, 5.0)  # s before the next start of a worker, by failed starts in a row
 
@@ -48,18 +50,18 @@ def default_size() -> int:
 
 @dataclass(eq=False)
 class WorkerSlot:
-    """A slot for one worker process, with a thread that starts the worker; `task` is its current task."""
+    """A slot for one worker process, with a thread that starts the worker."""
 
     caller: Any = None
     ready: bool = False
-    task: Task | None = None
+    job: Job | None = None  # that it runs
     failures: int = 0  # failed starts in a row
 
 
 class Pool:
-    """Workers that may die and tasks that may hang; `status` is 'closed', 'warming', 'ready' or 'failing' (see `why`).
+    """Workers that may die and jobs that may hang; `status` is 'closed', 'warming', 'ready' or 'failing' (see `why`).
 
-    Owners take turns. Neither expensive tasks nor those in the background take the last worker, though both together
+    Owners take turns. Neither expensive jobs nor those in the background take the last worker, though both together
     may: one in the background soon ends.
     """
 
@@ -69,7 +71,7 @@ class Pool:
         self.why = ""  # why no worker can start
         self.compiled = 0  # kernels that the first worker has compiled, of worker.KERNELS
         self._slots, self._queue = [], FairQueue()
-        self._lock = Condition()  # notifies slots of tasks and of the end
+        self._lock = Condition()  # notifies slots of jobs and of the end
         self._closing, self._warm = Event(), Event()
         self._answered = -inf  # time of the last answer of a worker, s, monotonic
         self._last_ready = -inf  # time when a worker was last ready, s, monotonic
@@ -87,10 +89,10 @@ class Pool:
 
     @property
     def in_flight(self) -> int:
-        """Number of tasks that wait or run for visitors."""
+        """Number of jobs that wait or run for visitors."""
         with self._lock:
-            tasks = [task for task in (*self._queue, *(slot.task for slot in self._slots)) if task is not None]
-            return sum(task.owner != NOBODY and not task.abandoned and not task.done() for task in tasks)
+            jobs = [job for job in (*self._queue, *(slot.job for slot in self._slots)) if job is not None]
+            return sum(job.owner != NOBODY and not job.done() for job in jobs)
 
     def start(self) -> None:
         """Start the first worker, which compiles or loads the kernels, then the others; may be called twice."""
@@ -103,71 +105,61 @@ class Pool:
                 Thread(target=self._run_slot, args=(slot, number), name=f"slot {number}", daemon=True).start()
         atexit.register(self.close)
 
-    def submit(
-        self,
-        call: Any,
-        *arguments: Any,
-        owner: object | None = None,
-        rank: int = SCREEN,
-        seconds: float = 0.0,
-        since: float | None = None,
-        hear: Callable[[Any], None] | None = None,
-    ) -> Task:
-        """Add a call to the queue and return its Task.
-
-        seconds: its expected duration, at most. since: when its job began to wait, s, monotonic. hear(item) is called
-        with each item if the call returns a generator.
-        """
+    def submit(self, job: Job) -> Job:
+        """Add a job to the queue, and return it."""
         self.start()
-        task = Task((call, *arguments), owner, rank, seconds + self.patience, since)
-        task.hear = hear
         with self._lock:
-            if self._closing.is_set() or self.status == "failing":
-                task.set_exception(Lost("closed", self.why or "the server is being stopped"))
-            else:
-                self._queue.add(task)
+            if takes := not (self._closing.is_set() or self.why):
+                self._queue.add(job)
                 self._dispatch()
-        return task
+        if not takes:
+            job.returned(Lost("closed", self.why or STOPPED))
+        return job
 
-    def abandon(self, task: Task) -> None:
-        """Cancel a task, or ignore its result if it runs. A cancelled task leaves the queue at once.
+    def move_up(self, job: Job, owner: object, rank: int) -> None:
+        """Give a job the rank of an owner who needs it sooner."""
+        with self._lock:
+            waits = self._queue.remove(job)
+            job.owner, job.rank = owner, rank
+            if waits:
+                self._queue.add(job)
+
+    def abandon(self, job: Job) -> None:
+        """Cancel a job. One that waits leaves the queue at once, and what a running one returns is ignored.
 
         One that may take long is also stopped: a generator at its next item, others after STOPS with their worker.
         """
-        if task.cancel():
-            with self._lock:
-                self._queue.remove(task)
-            return
-        task.abandoned = True
-        if task.limit >= self.patience + STOPS:
-            with self._lock:
-                caller = task.slot.caller if task.slot else None
-            self._stop(task, caller, TRIES)
-
-    def _stop(self, task, caller, tries):
-        """Stop a task, again and again, as its worker may not have heard of it yet; then end its worker."""
+        job.cancel()
         with self._lock:
-            if caller is None or task.slot.task is not task or task.slot.caller is not caller:
+            self._queue.remove(job)
+            caller = job.slot.caller if job.slot and job.seconds >= STOPS else None
+        if caller:
+            self._stop(job, caller, TRIES)
+
+    def _stop(self, job, caller, tries):
+        """Stop a job, again and again, as its worker may not have heard of it yet; then end its worker."""
+        with self._lock:
+            if job.slot is None or job.slot.caller is not caller:
                 return
             if tries:
                 caller.stop()
         if not tries:
             return caller.end()
-        timer = Timer(STOPS / TRIES, self._stop, (task, caller, tries - 1))
+        timer = Timer(STOPS / TRIES, self._stop, (job, caller, tries - 1))
         timer.daemon = True
         timer.start()
 
-    def position(self, task: Task) -> int | None:
-        """Number of tasks before this one; None if it does not wait."""
+    def position(self, job: Job) -> int | None:
+        """Number of jobs before this one; None if it does not wait."""
         with self._lock:
-            return self._queue.position(task)
+            return self._queue.position(job)
 
     def alive(self) -> tuple[bool, str]:
         """Return (healthy, reason). Healthy: a worker answered lately, or an idle worker's process lives."""
         if self.why:
             return False, self.why
         with self._lock:
-            idle = any(slot.ready and slot.task is None and slot.caller.alive() for slot in self._slots)
+            idle = any(slot.ready and slot.job is None and slot.caller.alive() for slot in self._slots)
             silent = monotonic() - self._answered
         if idle or silent <= SILENT:
             return True, ""
@@ -188,27 +180,26 @@ class Pool:
             waiting, self._queue = self._queue, FairQueue()
             callers = [slot.caller for slot in slots if slot.caller]
             self._lock.notify_all()
-        for task in waiting:
-            task.cancel()
         for caller in callers:
             caller.end()
+        for job in waiting:
+            job.returned(Lost("closed", STOPPED))
 
     def _dispatch(self):
-        """Give the next tasks to idle workers."""
-        while idle := [slot for slot in self._slots if slot.ready and slot.task is None]:
-            task = self._queue.take({SCREEN, EXACT} | {rank for rank in (HEAVY, LATER) if self._spare(rank)})
-            if task is None:
+        """Give the next jobs to idle workers."""
+        while idle := [slot for slot in self._slots if slot.ready and slot.job is None]:
+            job = self._queue.take({SCREEN, EXACT} | {rank for rank in (HEAVY, LATER) if self._spare(rank)})
+            if job is None:
                 break
-            if task.set_running_or_notify_cancel():
-                task.slot, idle[0].task = idle[0], task
+            if not job.done():  # it was cancelled before it came
+                job.slot, idle[0].job = idle[0], job
                 self._lock.notify_all()
 
     def _spare(self, rank):
-        """Return whether tasks of a rank leave a worker to others, if one more is started."""
+        """Return whether jobs of a rank leave a worker to others, if one more is started."""
         expected = sum(slot.failures < STARTS for slot in self._slots)
-        return sum(slot.ready and (slot.task is None or slot.task.rank != rank) for slot in self._slots) > (
-            expected > 1
-        )
+        free = sum(slot.ready and (slot.job is None or slot.job.queued != rank) for slot in self._slots)
+        return free > (expected > 1)
 
     # The following methods run in the thread of a slot.
 
@@ -243,44 +234,46 @@ class Pool:
         self.compiled = max(self.compiled, compiled)
 
     def _serve(self, slot):
-        """Run tasks until the worker is lost."""
+        """Run jobs until the worker is lost."""
         while True:
             with self._lock:
                 self._dispatch()
-                while slot.task is None:
+                while slot.job is None:
                     self._lock.wait(LOOK)
                     if self._closing.is_set():
-                        raise Lost("closed", "the server is being stopped")
+                        raise Lost("closed", STOPPED)
                     if not slot.caller.alive():
                         raise Lost("crash", "the process ended while it was idle")
-            self._run_task(slot)
+            self._run(slot, slot.job)
 
-    def _run_task(self, slot):
-        task = slot.task
+    def _run(self, slot, job):
+        """Make one call of a job."""
+        hear = job.heard if job.streams else None
         try:
-            result = slot.caller.call(*task.call, limit=task.limit, hear=task.hear)
+            made = slot.caller.call(*job.call, *job.state, limit=job.seconds + self.patience, hear=hear)
         except Lost as lost:
             if lost.kind != "error":
                 raise
-            log.error("a task failed in a worker:\n%s", lost.reason)
-            result = lost
+            log.error("a call failed in a worker:\n%s", lost.reason)
+            made = lost
         with self._lock:
-            slot.task, self._answered = None, monotonic()
+            slot.job = job.slot = None
+            self._answered = monotonic()
         metrics.count("tasks")
-        if isinstance(result, Lost):
-            task.set_exception(result)
-        else:
-            task.set_result(result)
+        if not job.done() and job.returned(made):
+            self.submit(job)
 
     def _worker_lost(self, slot, lost):
-        """Handle a worker that ended or did not start: its task fails; after STARTS failures all waiting tasks fail."""
+        """Handle a worker that ended or did not start: its job is told; after STARTS failures all waiting jobs fail."""
         if slot.caller is not None:
             slot.caller.end()
         with self._lock:
-            task, slot.task = slot.task, None
+            job, slot.job = slot.job, None
+            if job:
+                job.slot = None
             warm, slot.ready, slot.caller = slot.ready, False, None
             if self._closing.is_set():
-                lost = Lost("closed", "the server is being stopped")
+                lost = Lost("closed", STOPPED)
             else:
                 slot.failures += not warm
                 if lost.kind != "absent":  # no worker of the cluster is free yet
@@ -295,12 +288,12 @@ class Pool:
             if no_worker:
                 self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
                 waiting, self._queue = self._queue, FairQueue()
-        if task is not None:
-            metrics.count("tasks_lost")
-            task.set_exception(lost)
         for other in waiting:
-            if other.set_running_or_notify_cancel():
-                other.set_exception(Lost("closed", self.why))
+            other.returned(Lost("closed", self.why))
+        if job:
+            metrics.count("tasks_lost")
+            if not job.done() and job.returned(lost):
+                self.submit(job)
 
 
 def made() -> Pool:
@@ -313,5 +306,5 @@ def made() -> Pool:
 
 
 pool = made()
-metrics.gauge("queue", "tasks that wait or run for visitors", lambda: pool.in_flight)
+metrics.gauge("queue", "jobs that wait or run for visitors", lambda: pool.in_flight)
 metrics.gauge("workers", "workers that are ready", lambda: pool.ready)

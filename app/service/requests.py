@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from app.service.jobs import Job
-from app.service.pool import LATER
+from app.service.job import LATER, Job
 
 Call = tuple[Any, ...]  # (function, *arguments)
 
@@ -40,8 +39,8 @@ class Requests:
         self._count = self._count + 1 if self.waiting else 1
         self.waiting[call] = take
         job = self.session.jobs.start(call, self._on_news, owner=id(self.session), **{"rank": LATER} | how)
-        if job.done:
-            self._answered(call, job.result)
+        if job.done():
+            self._answered(call, job.outcome)
         else:
             self._jobs[call] = job
 
@@ -57,8 +56,8 @@ class Requests:
             self.session.jobs.leave(self._jobs.popitem()[1], self._on_news)
 
     def _on_news(self, job: Job) -> None:
-        if job.done:
-            self.session.later(partial(self._answered, job.call, job.result))
+        if job.done():
+            self.session.later(partial(self._answered, job.call, job.outcome))
 
     def _answered(self, call: Call, result: Any) -> None:
         self._jobs.pop(call, None)

@@ -16,8 +16,7 @@ from app import document
 from app.document import on_loop
 from app.limits import increments_of
 from app.service import metrics, worker
-from app.service.jobs import Job
-from app.service.pool import EXACT, SCREEN
+from app.service.job import EXACT, SCREEN, Job
 from app.service.skeletons import Certified, Followed, certified, followed
 from app.session import orders
 from app.session.orders import order
@@ -110,8 +109,8 @@ class Pursuit:
     @property
     def position(self) -> int | None:
         """Number of tasks before this visitor's in the queue; None: none, or a wait shorter than WAITS."""
-        waits = self.job is not None and self.job.task is not None and time.monotonic() - self.since > WAITS
-        return (self.session.jobs.pool.position(self.job.task) or None) if waits else None  # type: ignore[union-attr]
+        waits = self.job is not None and time.monotonic() - self.since > WAITS
+        return (self.session.jobs.pool.position(self.job) or None) if waits else None
 
     def close(self) -> None:
         """Cancel every call."""
@@ -210,19 +209,20 @@ class Pursuit:
             self.run.state = "skipped"
         try:
             job = self._start(followed, skeleton, request.scene, rank=SCREEN, private=True)
-            while not job.done and (self.requested is None or self.requested.held):
+            while not job.done() and (self.requested is None or self.requested.held):
                 await news()
+            if not job.done():  # another scene was chosen
+                return True
         finally:
             self._leave()
-        if not job.done:  # another scene was chosen
-            return True
-        if not isinstance(job.result, Followed):
-            metrics.not_followed.labels(job.result if isinstance(job.result, str) else "the worker was lost").inc()
+        made = job.outcome
+        if not isinstance(made, Followed):
+            metrics.not_followed.labels(made if isinstance(made, str) else "the worker was lost").inc()
             self.shown = None
             return False
         metrics.count("followed")
-        self.skeleton, self.shown = job.result.skeleton, request.scene
-        self.session.send("skeleton", acknowledged=request.number, body=job.result.body)
+        self.skeleton, self.shown = made.skeleton, request.scene
+        self.session.send("skeleton", acknowledged=request.number, body=made.body)
         self.session.tell("predicted", self.skeleton)
         return True
 
@@ -242,7 +242,7 @@ class Pursuit:
             rank, begin = (EXACT, ()) if run.refines else (SCREEN, (None, FIRST))
             seconds = worker.APPROACH * worker.BUDGET
             job = self._start(worker.compute, run.scene, rank=rank, seconds=seconds, begin=begin)
-            run.known = job.done
+            run.known = job.done()
             metrics.count("run_cache_hits" if run.known else "run_cache_misses")
             came = self._show(run, job)
             while not run.ended and not self._is_replaced(run, job, came):
@@ -252,7 +252,7 @@ class Pursuit:
         finally:
             self._leave()
         if run.ended:
-            self._end(run, job.result)
+            self._end(run, job.outcome.skeleton if run.state == "finished" else None)
             self.session.publish()
 
     async def _certify(self, run: Run) -> bool:
@@ -261,14 +261,14 @@ class Pursuit:
             return False
         try:
             job = self._start(certified, run.scene, rank=EXACT, begin=(self.skeleton,))
-            while not (job.done or self.framed or self._is_replaced(run, job, came=False)):
+            while not (job.done() or self.framed or self._is_replaced(run, job, came=False)):
                 self.session.publish()
                 await news()
+            if not job.done():
+                return not self.framed
         finally:
             self._leave()
-        if not job.done:
-            return not self.framed
-        made = job.result
+        made = job.outcome
         holds = isinstance(made, Certified) and not made.failure
         metrics.count("certified" if holds else "not_certified")
         if not holds:
@@ -276,7 +276,7 @@ class Pursuit:
         if holds:
             run.certify(made.about, made.checked, time.monotonic())
             self.session.send("skeleton", checked=made.checked, body=made.body)
-            self._end(run, made)
+            self._end(run, made.skeleton)
             self.session.publish()
         return holds
 
@@ -292,7 +292,7 @@ class Pursuit:
 
     def _show(self, run: Run, job: Job) -> bool:
         """Send the parts of a run that have come; return whether there were any."""
-        done, parts = job.done, job.parts[run.parts :]
+        done, parts = job.done(), job.parts[run.parts :]
         if job.lost > run.lost:
             run.lost = job.lost
             self.session.notes = ["A worker process ended unexpectedly. Another worker repeats its part of the run."]
@@ -300,11 +300,11 @@ class Pursuit:
             self.since = time.monotonic()
             run.add(part, self.since)
             if done and run.parts == len(job.parts):
-                run.end(job.result)
+                run.end(job.outcome)
             for block in part.blocks:
                 self.session.send("run", run=run.number, state=run.shown_state, frames=run.frames, body=block)
         if done and not run.ended:
-            run.end(job.result)
+            run.end(job.outcome)
         return bool(parts)
 
     def _is_replaced(self, run: Run, job: Job, came: bool) -> bool:
@@ -314,15 +314,13 @@ class Pursuit:
         """
         if self.requested is None:
             return False
-        waits = job.task is not None and not job.task.running() and not job.task.done()
-        if run.refines or waits or self.overdue:
+        if run.refines or job.waits or self.overdue:
             return True
         return came and not (self.held and not job.heavy and run.ends_within(SOON))
 
-    def _end(self, run: Run, result: Any) -> None:
+    def _end(self, run: Run, skeleton: Skeleton | None) -> None:
         """After a run: follow from it, and tell the features."""
         whole = run.packed
-        skeleton = result.skeleton if run.state == "finished" else None
         self.cautions = cautions(run.scene, whole.widest, whole.safe_damping, whole.sensitive, whole.overlap)
         self.session.tell("ended", run, skeleton)
         self.skeleton, self.shown = skeleton, None

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from app.service.jobs import ATTEMPTS
+from app.service.job import ATTEMPTS
 from app.service.packing import Frames
 from solver import Scene
 
@@ -96,11 +96,11 @@ class Run:
 
 def reason(error: Exception) -> str:
     """Return why a run has failed, from the error of its job."""
-    kind = getattr(error, "kind", "closed")
+    kind = getattr(error, "kind", "error")
     if kind == "crash":
         return f"{ATTEMPTS} workers ended during this run; change a parameter or choose an experiment"
     if kind == "hang":
         return f"{error}, so the worker was ended; what is computed stays. Change a parameter"
-    if kind == "closed" and not isinstance(error, RuntimeError):
-        return f"{str(error) or 'the server is being stopped'}; choose an experiment to try again"
+    if kind == "closed":
+        return f"{error}; choose an experiment to try again"
     return ERROR

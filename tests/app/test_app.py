@@ -166,7 +166,7 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
     monkeypatch.setattr(pursuit, "FIRST", 60.0)  # the whole run is one slice
     lost = pool.replaced
     page.order("hello")
-    until(lambda: page.session.pursuit.job.task.running())
+    until(lambda: page.session.pursuit.job.slot)
     for process in pool.processes():
         os.kill(process, signal.SIGKILL)
     page.until("finished")

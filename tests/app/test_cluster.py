@@ -7,6 +7,7 @@ import time
 import pytest
 from clusters import Local
 from helpers import until
+from visitor import asked
 
 from app.service import worker
 from app.service.caller import Caller
@@ -40,7 +41,7 @@ def workers(local, monkeypatch):
 
 def test_cluster_frames_equal_local_frames_bitwise(workers):
     call = (worker.compute, Scene(u_x_max=12.0), None, 600.0, 600.0)  # through its first slip
-    far = workers.submit(*call, seconds=600.0).result(PATIENCE)
+    far = asked(workers, *call, seconds=600.0).result(PATIENCE)
     one = Caller()
     one.call(worker.start)
     here = one.call(*call)
@@ -48,19 +49,22 @@ def test_cluster_frames_equal_local_frames_bitwise(workers):
     assert far.frames == here.frames > 120 and far.blocks == here.blocks
 
 
-def test_cluster_uses_both_workers_and_abandons_a_hanging_task(workers):
-    asked = [workers.submit(time.sleep, 0.2) for _ in range(2)]
-    until(lambda: all(task.running() or task.done() for task in asked))
-    assert len({task.slot for task in asked}) == 2
+def test_cluster_uses_both_workers_and_abandons_a_hanging_call(workers):
+    def busy():
+        time.sleep(0.2)
+        return os.getpid()
+
+    begun = [asked(workers, busy) for _ in range(2)]
+    assert len({job.result(PATIENCE) for job in begun}) == 2
     workers.patience = 0.2
-    assert workers.submit(time.sleep, 2.0).exception(PATIENCE).kind == "hang"
+    assert asked(workers, time.sleep, 2.0).exception(PATIENCE).kind == "hang"
     workers.patience = 5.0
-    assert workers.submit(os.getpid).result(PATIENCE) > 0
+    assert asked(workers, os.getpid).result(PATIENCE) > 0
     until(lambda: workers.ready == 2)
 
 
 def test_cluster_reports_tracebacks_and_computes_again_what_a_killed_worker_had(workers, tmp_path):
-    error = workers.submit(int, "x").exception(PATIENCE)
+    error = asked(workers, int, "x").exception(PATIENCE)
     assert error.kind == "error" and "ValueError" in error.reason
 
     def stubborn(path):  # sent by value, as workers cannot import this module
@@ -71,11 +75,11 @@ def test_cluster_reports_tracebacks_and_computes_again_what_a_killed_worker_had(
         os.rename(path + ".part", path)
         time.sleep(600.0)
 
-    asked = workers.submit(stubborn, str(tmp_path / "there"), seconds=PATIENCE)
+    begun = asked(workers, stubborn, str(tmp_path / "there"), seconds=PATIENCE)
     until((tmp_path / "there").exists)
     os.kill(int((tmp_path / "there").read_text()), signal.SIGKILL)
-    assert asked.result(PATIENCE) == "the second time"
-    assert workers.submit(os._exit, 1, seconds=PATIENCE).exception(PATIENCE).kind == "crash"
+    assert begun.result(PATIENCE) == "the second time"
+    assert asked(workers, os._exit, 1, seconds=PATIENCE).exception(PATIENCE).kind == "crash"
     until(lambda: workers.ready == 2)  # nannies have started others
 
 
@@ -84,16 +88,16 @@ def test_the_items_of_a_generator_are_heard_from_a_cluster(workers):
         yield from range(count)
         return "end"
 
-    heard = []
-    assert workers.submit(news, 3, hear=heard.append).result(PATIENCE) == "end" and heard == [0, 1, 2]
+    job = asked(workers, news, 3, streams=True)
+    assert job.result(PATIENCE) == "end" and job.parts == [0, 1, 2]
 
 
 def test_cluster_recovers_when_its_scheduler_restarts(local, workers, monkeypatch):
     monkeypatch.setattr("app.service.pool.GIVE_UP", 0.5)
     local.stop()
     until(lambda: workers.status == "failing")
-    failure = workers.submit(os.getpid).exception(PATIENCE)
+    failure = asked(workers, os.getpid).exception(PATIENCE)
     assert failure.kind == "closed" and "continues as soon" in str(failure)
     local.start()
     until(lambda: workers.status == "ready")
-    assert workers.submit(os.getpid).result(PATIENCE) > 0
+    assert asked(workers, os.getpid).result(PATIENCE) > 0

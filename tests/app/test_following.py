@@ -9,8 +9,9 @@ import pytest
 from visitor import NoPool, Page, messages, say, slices, unpacked, whole_run
 
 from app.service import metrics, packing, skeletons, worker
+from app.service.caller import Lost
+from app.service.job import EXACT, SCREEN
 from app.service.jobs import Jobs
-from app.service.pool import EXACT, SCREEN
 from app.session import pursuit
 from solver import NotFollowed, Scene, follow
 
@@ -86,15 +87,15 @@ def test_a_prediction_that_is_impossible_gives_a_reason(runs):
 
 
 class Answered(NoPool):
-    """A pool whose tasks are done when the test says so."""
+    """A pool whose calls return when the test says so."""
 
     def waiting(self, call):
-        """Tasks that make this call and still wait."""
-        return [task for task in self.tasks if task.call[0] is call and not task.done()]
+        """Jobs that make this call and still wait."""
+        return [job for job in dict.fromkeys(self.jobs) if job.call[0] is call and not job.done()]
 
-    def answer(self, page, call, result):
-        """The oldest waiting one is done."""
-        self.waiting(call)[0].set_result(result)
+    def returns(self, page, call, made):
+        """The oldest waiting one returns."""
+        self.answer(self.waiting(call)[0], made)
         page.run_all()
 
 
@@ -121,11 +122,11 @@ def test_only_the_newest_slider_position_is_predicted_next(page):
     for value in (0.01, 0.02, 0.03, 0.04):
         move(page, value)
     assert page.status()["acknowledged"] not in (1.0, 2.0, 3.0, 4.0)  # the predictions acknowledge these orders
-    assert [task.call[2].delta_bar for task in page.pool.waiting(skeletons.followed)] == [0.01]
-    page.pool.answer(page, skeletons.followed, skeletons.Followed(b"!", b"skeleton"))
+    assert [job.call[2].delta_bar for job in page.pool.waiting(skeletons.followed)] == [0.01]
+    page.pool.returns(page, skeletons.followed, skeletons.Followed(b"!", b"skeleton"))
     assert page.messages == [{"kind": "skeleton", "acknowledged": 1.0, "body": b"!"}]
-    (task,) = page.pool.waiting(skeletons.followed)
-    assert task.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04)) and task.rank == SCREEN
+    (job,) = page.pool.waiting(skeletons.followed)
+    assert job.call[1:] == (b"skeleton", SCENE.changed(delta_bar=0.04)) and job.rank == SCREEN
     assert not page.pool.waiting(worker.compute)  # no run
 
 
@@ -137,8 +138,8 @@ def test_a_drag_whose_prediction_waits_in_the_queue_is_acknowledged_within_a_sec
     page.run_next()
     assert page.status()["acknowledged"] == 1.0
     move(page, 0.02)
-    page.pool.answer(page, skeletons.followed, skeletons.Followed(b"!", b"skeleton"))
-    assert [task.call[2].delta_bar for task in page.pool.waiting(skeletons.followed)] == [0.02]
+    page.pool.returns(page, skeletons.followed, skeletons.Followed(b"!", b"skeleton"))
+    assert [job.call[2].delta_bar for job in page.pool.waiting(skeletons.followed)] == [0.02]
 
 
 def test_only_what_has_changed_is_sent_again(page):
@@ -151,10 +152,10 @@ def test_only_what_has_changed_is_sent_again(page):
 def test_a_part_of_a_run_carries_its_run_state_and_count(page):
     sent = messages(page.session)
     page.order("scene", phi_ratio=0.5)
-    (task,) = page.pool.waiting(worker.compute)
-    part = worker.compute(task.call[1], None, 0.02)
-    page.pool.answer(page, worker.compute, part)
-    page.pool.answer(page, worker.compute, worker.compute(task.call[1], part.state, np.inf, np.inf))
+    (job,) = page.pool.waiting(worker.compute)
+    part = worker.compute(job.call[1], None, 0.02)
+    page.pool.returns(page, worker.compute, part)
+    page.pool.returns(page, worker.compute, worker.compute(job.call[1], part.state, np.inf, np.inf))
     runs = [message for message in sent if message["kind"] == "run"]
     assert [(m["run"], m["state"]) for m in (runs[0], runs[-1])] == [(2, "running"), (2, "finished")]
     assert (runs[0]["frames"], runs[-1]["frames"]) == (part.made.frames, page.status()["frames"])
@@ -162,9 +163,9 @@ def test_a_part_of_a_run_carries_its_run_state_and_count(page):
 
 def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
     move(page, 0.01)
-    (task,) = page.pool.waiting(skeletons.followed)
+    (job,) = page.pool.waiting(skeletons.followed)
     page.order("restore", preset="fig7-case1")
-    assert task.cancelled() and page.pool.waiting(worker.compute)
+    assert job.cancelled() and page.pool.waiting(worker.compute)
     page.run_all()
     assert page.messages == []
 
@@ -173,7 +174,7 @@ def test_a_late_prediction_is_dropped_after_another_scene_was_chosen(page):
 def rested(page, runs):
     """The same visitor: a prediction of NEXT is on screen, and its slider has been released for a second."""
     move(page, 0.02)
-    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.returns(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release")
     assert not page.pool.waiting(skeletons.certified)
     page.run_next()  # the second is over
@@ -181,12 +182,12 @@ def rested(page, runs):
 
 
 def test_a_prediction_is_checked_a_second_after_the_release_behind_predictions_of_others(rested):
-    (task,) = rested.pool.waiting(skeletons.certified)
-    assert task.call[1] == task.call[2].scene == NEXT and task.rank == EXACT
+    (job,) = rested.pool.waiting(skeletons.certified)
+    assert job.call[1] == job.state[0].scene == NEXT and job.rank == EXACT
     assert rested.status()["state"] == "refining"
-    made = skeletons.certified(*task.call[1:])
+    made = skeletons.certified(*job.call[1:], *job.state)
     sent = len(rested.chunks)
-    rested.pool.answer(rested, skeletons.certified, made)
+    rested.pool.returns(rested, skeletons.certified, made)
     assert rested.messages[-1] == {"kind": "skeleton", "checked": made.checked, "body": made.body}
     exact = whole_run(NEXT)
     status = rested.status()
@@ -198,43 +199,43 @@ def test_a_prediction_is_checked_a_second_after_the_release_behind_predictions_o
 
 
 def test_a_prediction_that_is_not_the_run_of_its_scene_is_computed(rested):
-    (task,) = rested.pool.waiting(skeletons.certified)
-    made = skeletons.certified(NEXT.changed(E=80.0), task.call[2])  # the states are those of another E
+    (job,) = rested.pool.waiting(skeletons.certified)
+    made = skeletons.certified(NEXT.changed(E=80.0), job.state[0])  # the states are those of another E
     assert made.failure == "" or made.body == b""
-    wrong = replace(task.call[2], scene=NEXT.changed(E=80.0))
+    wrong = replace(job.state[0], scene=NEXT.changed(E=80.0))
     made = skeletons.certified(wrong.scene, wrong)
     assert made.failure and not made.body
-    rested.pool.answer(rested, skeletons.certified, made)
+    rested.pool.returns(rested, skeletons.certified, made)
     assert rested.pool.waiting(worker.compute)[0].call[1] == NEXT
-    rested.pool.answer(rested, worker.compute, whole_run(NEXT))
+    rested.pool.returns(rested, worker.compute, whole_run(NEXT))
     assert rested.status()["state"] == "finished" and rested.chunks
 
 
 def test_frames_of_a_checked_prediction_come_when_somebody_wants_them(rested):
-    (task,) = rested.pool.waiting(skeletons.certified)
-    rested.pool.answer(rested, skeletons.certified, skeletons.certified(*task.call[1:]))
+    (job,) = rested.pool.waiting(skeletons.certified)
+    rested.pool.returns(rested, skeletons.certified, skeletons.certified(*job.call[1:], *job.state))
     rested.order("release")
     rested.run_all()
     assert not rested.pool.waiting(worker.compute)
     rested.order("release", exact=True)
-    (task,) = rested.pool.waiting(worker.compute)
-    assert task.call[1] == NEXT and rested.status()["state"] == "refining"
-    rested.pool.answer(rested, worker.compute, whole_run(NEXT))
+    (job,) = rested.pool.waiting(worker.compute)
+    assert job.call[1] == NEXT and rested.status()["state"] == "refining"
+    rested.pool.returns(rested, worker.compute, whole_run(NEXT))
     rested.order("release", exact=True)  # they are there
     assert rested.status()["state"] == "finished" and not rested.pool.waiting(worker.compute)
 
 
 def test_a_check_is_given_up_for_frames_that_somebody_wants(rested):
-    (task,) = rested.pool.waiting(skeletons.certified)
+    (job,) = rested.pool.waiting(skeletons.certified)
     rested.order("release", exact=True)
-    assert task.cancelled() and rested.pool.waiting(worker.compute)[0].call[1] == NEXT
+    assert job.cancelled() and rested.pool.waiting(worker.compute)[0].call[1] == NEXT
 
 
 def test_a_run_that_is_known_is_shown_in_place_of_a_check(page, runs):
     call = worker.compute, NEXT
     page.session.jobs.results.put(call, (call, runs[NEXT]))
     move(page, 0.02)
-    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.returns(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release")
     page.run_next()
     assert page.status()["state"] == "finished" and page.status()["known"]
@@ -264,7 +265,7 @@ def test_the_approach_of_a_scene_serves_other_depths(runs):
 
 def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(page, runs):
     move(page, 0.02)
-    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.returns(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release")
     move(page, 0.03)
     page.run_all()
@@ -273,56 +274,56 @@ def test_a_slider_that_moves_again_within_a_second_has_no_exact_run_in_between(p
 
 def test_exact_run_starts_at_once_for_those_who_need_it(page, runs):
     move(page, 0.02)
-    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
+    page.pool.returns(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
     page.order("release", exact=True)
-    (task,) = page.pool.waiting(worker.compute)
-    assert task.call[1] == NEXT
+    (job,) = page.pool.waiting(worker.compute)
+    assert job.call[1] == NEXT
 
 
 def test_a_new_drag_cancels_the_exact_run(page, runs):
     move(page, 0.02)
     page.order("release", exact=True)
     assert not page.pool.waiting(worker.compute)  # one call at a time: the prediction comes first
-    page.pool.answer(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
-    (task,) = page.pool.waiting(worker.compute)
+    page.pool.returns(page, skeletons.followed, skeletons.followed(runs[SCENE].skeleton, NEXT))
+    (job,) = page.pool.waiting(worker.compute)
     move(page, 0.03)
-    assert task.cancelled() and page.pool.waiting(skeletons.followed)
+    assert job.cancelled() and page.pool.waiting(skeletons.followed)
 
 
 def test_exact_run_starts_at_once_if_a_prediction_fails_and_the_reason_is_counted(page):
     move(page, 0.02)
     move(page, 0.05)
-    page.pool.answer(page, skeletons.followed, 'the contact is "lost"')
-    (task,) = page.pool.waiting(worker.compute)
-    assert task.call[1] == SCENE.changed(delta_bar=0.05) and task.rank == SCREEN  # the newest position
+    page.pool.returns(page, skeletons.followed, 'the contact is "lost"')
+    (job,) = page.pool.waiting(worker.compute)
+    assert job.call[1] == SCENE.changed(delta_bar=0.05) and job.rank == SCREEN  # the newest position
     assert page.status()["state"] == "running"
     assert b'contact_not_followed_total{reason="the contact is \\"lost\\""} 1.0\n' in metrics.text()
-    task.set_running_or_notify_cancel()
+    job.slot = "a worker"
     move(page, 0.06)
     assert not page.pool.waiting(skeletons.followed)
-    page.pool.answer(page, worker.compute, whole_run(task.call[1]))
-    (task,) = page.pool.waiting(skeletons.followed)  # from the run that has just ended
-    assert task.call[2].delta_bar == 0.06 and page.session.run.scene.delta_bar == 0.05
+    page.pool.returns(page, worker.compute, whole_run(job.call[1]))
+    (job,) = page.pool.waiting(skeletons.followed)  # from the run that has just ended
+    assert job.call[2].delta_bar == 0.06 and page.session.run.scene.delta_bar == 0.05
 
 
 def test_a_long_exact_run_is_ended_for_the_newest_position(page, monkeypatch):
     monkeypatch.setattr(pursuit, "SOON", 0.0)
     move(page, 0.02)
-    page.pool.answer(page, skeletons.followed, "no reason")
-    (task,) = page.pool.waiting(worker.compute)
-    task.set_running_or_notify_cancel()
+    page.pool.returns(page, skeletons.followed, "no reason")
+    (job,) = page.pool.waiting(worker.compute)
+    job.slot = "a worker"
     for value in (0.03, 0.04):
         move(page, value)
-    page.pool.answer(page, worker.compute, worker.compute(task.call[1], None, 0.0))
-    (task,) = page.pool.waiting(skeletons.followed)
-    assert task.call[2].delta_bar == 0.04
+    page.pool.returns(page, worker.compute, worker.compute(job.call[1], None, 0.0))
+    (job,) = page.pool.waiting(skeletons.followed)
+    assert job.call[2].delta_bar == 0.04
 
 
 def test_skip_starts_the_newest_position_that_waits(page):
     """It was forgotten: the picture stayed that of the run skipped."""
     page.order("scene", phi_ratio=0.5)
-    (task,) = page.pool.waiting(worker.compute)
-    task.set_running_or_notify_cancel()
+    (job,) = page.pool.waiting(worker.compute)
+    job.slot = "a worker"
     page.order("scene", phi_ratio=0.6)
     page.order("skip")
     assert page.pool.waiting(worker.compute)[-1].call[1].phi_ratio == 0.6
@@ -331,18 +332,18 @@ def test_skip_starts_the_newest_position_that_waits(page):
 
 def test_a_new_scene_waits_for_a_started_slice_for_a_limited_time(page):
     page.order("scene", phi_ratio=0.5)
-    (task,) = page.pool.waiting(worker.compute)
-    task.set_running_or_notify_cancel()
+    (job,) = page.pool.waiting(worker.compute)
+    job.slot = "a worker"
     page.order("scene", phi_ratio=0.6)
-    assert page.pool.waiting(worker.compute) == [task] and page.status()["acknowledged"] is not None
+    assert page.pool.waiting(worker.compute) == [job] and page.status()["acknowledged"] is not None
     page.run_all()  # the time is over
-    assert [task.call[1].phi_ratio for task in page.pool.waiting(worker.compute)] == [0.5, 0.6]
+    assert job.cancelled()
+    assert [job.call[1].phi_ratio for job in page.pool.waiting(worker.compute)] == [0.6]
 
 
 def test_a_prediction_lost_with_its_worker_starts_an_exact_run(page):
     move(page, 0.02)
-    page.pool.waiting(skeletons.followed)[0].set_exception(RuntimeError("killed"))
-    page.run_next()
+    page.pool.returns(page, skeletons.followed, Lost("hang", "no answer within 20 s"))
     assert page.pool.waiting(worker.compute)
 
 

@@ -6,13 +6,15 @@ import time
 
 import pytest
 from helpers import until
+from visitor import asked
 
 from app.service import caller, worker
 from app.service import pool as pools
 from app.service.cache import Cache, size_of
-from app.service.fair_queue import AGEING
+from app.service.fair_queue import AGEING, FairQueue
+from app.service.job import EXACT, HEAVY, LATER, NOBODY, SCREEN, Job
 from app.service.packing import Frames
-from app.service.pool import EXACT, HEAVY, LATER, NOBODY, SCREEN, FairQueue, Pool, Task
+from app.service.pool import Pool
 from solver import Scene, skeleton_of
 
 pytestmark = pytest.mark.slow  # nearly all start processes, and end them
@@ -29,8 +31,8 @@ def single():
 
 def test_a_hanging_task_is_ended_with_its_worker():
     workers = Pool(size=1, patience=0.2)
-    stuck = workers.submit(time.sleep, 10 * PATIENCE)
-    waiting = workers.submit(os.getpid)
+    stuck = asked(workers, time.sleep, 10 * PATIENCE)
+    waiting = asked(workers, os.getpid)
     assert stuck.exception(PATIENCE).kind == "hang" and "no answer within" in str(stuck.exception())
     assert waiting.result(PATIENCE) > 0
     assert workers.replaced == 1
@@ -43,10 +45,10 @@ FORKED = pytest.mark.skipif(caller.START != "forkserver", reason="processes are 
 @pytest.mark.parametrize("killed", [os.getpid, pytest.param(os.getppid, marks=[pytest.mark.thorough, FORKED])])
 def test_an_idle_worker_is_replaced_at_once_when_it_or_the_fork_server_is_killed(killed):
     workers = Pool(size=1)
-    first = workers.submit(os.getpid).result(PATIENCE)
-    os.kill(workers.submit(killed).result(PATIENCE), signal.SIGKILL)
+    first = asked(workers, os.getpid).result(PATIENCE)
+    os.kill(asked(workers, killed).result(PATIENCE), signal.SIGKILL)
     until(lambda: workers.processes() not in ([], [first]) and workers.status == "ready")
-    assert workers.submit(os.getpid).result(PATIENCE) == workers.processes()[0] != first
+    assert asked(workers, os.getpid).result(PATIENCE) == workers.processes()[0] != first
     workers.close()
 
 
@@ -58,25 +60,25 @@ def send(size):
 @pytest.mark.thorough
 def test_workers_killed_while_sending_or_warming_up_are_replaced():
     workers = Pool(size=2)
-    workers.submit(worker.ready).result(PATIENCE)
+    asked(workers, worker.ready).result(PATIENCE)
     for size in (10**8, 0):  # the second time while the new ones warm up
-        asked = [workers.submit(send, size, seconds=PATIENCE) for _ in range(2)]
-        until(lambda asked=asked: not workers.in_flight or any(task.running() for task in asked))
+        begun = [asked(workers, send, size, seconds=PATIENCE) for _ in range(2)]
+        until(lambda begun=begun: not workers.in_flight or any(job.slot for job in begun))
         for process in workers.processes():
             os.kill(process, signal.SIGKILL)
-        for task in asked:
-            assert task.exception(PATIENCE) is None or task.exception().kind == "crash"
+        for job in begun:
+            assert job.exception(PATIENCE) is None or job.exception().kind == "crash"
     both_at_work(workers)
     workers.close()
 
 
 def both_at_work(workers):
-    """Wait until two tasks are done by two processes."""
-    until(lambda: len({task.result(PATIENCE) for task in [workers.submit(busy) for _ in range(2)]}) == 2)
+    """Wait until two jobs are done by two processes."""
+    until(lambda: len({job.result(PATIENCE) for job in [asked(workers, busy) for _ in range(2)]}) == 2)
 
 
 def busy():
-    time.sleep(0.02)  # so that the other task finds another worker
+    time.sleep(0.02)  # so that the other job finds another worker
     return os.getpid()
 
 
@@ -89,7 +91,7 @@ def broken():
 
 
 def test_an_exception_in_a_task_keeps_the_worker_and_is_logged(single, caplog):
-    error = single.submit(broken).exception(PATIENCE)
+    error = asked(single, broken).exception(PATIENCE)
     assert error.kind == "error" and 'raise ZeroDivisionError("a mistake")' in error.reason
     assert "ZeroDivisionError" in caplog.text and single.replaced == 0
 
@@ -100,52 +102,53 @@ def test_waiting_tasks_fail_if_no_worker_can_start(monkeypatch):
     for name in ("start", "start_up"):  # of the first worker, and of the others
         monkeypatch.setattr(worker, name, os._exit)  # found by name in the worker: it ends with that
     workers = Pool(size=2)
-    waiting = workers.submit(os.getpid)
+    waiting = asked(workers, os.getpid)
     assert "no worker process can be started" in str(waiting.exception(PATIENCE))
     assert not workers.alive()[0]
-    assert workers.status == "failing" and workers.submit(os.getpid).exception(PATIENCE).kind == "closed"
+    assert workers.status == "failing" and asked(workers, os.getpid).exception(PATIENCE).kind == "closed"
     workers.close()
 
 
 def test_owners_take_turns_in_the_queue():
-    queue, tasks = FairQueue(), {}
+    queue, jobs = FairQueue(), {}
     for owner, number in (("a", 1), ("a", 2), ("a", 3), ("b", 1), ("c", 1), ("b", 2)):
-        tasks[owner, number] = Task((), owner)
-        queue.add(tasks[owner, number])
+        jobs[owner, number] = Job((), owner)
+        queue.add(jobs[owner, number])
     turns = [("a", 1), ("b", 1), ("c", 1), ("a", 2), ("b", 2), ("a", 3)]
-    assert [queue.position(tasks[turn]) for turn in turns] == list(range(6))
-    assert [queue.take() for _ in range(6)] == [tasks[turn] for turn in turns]
-    assert queue.take() is None and queue.position(tasks["a", 1]) is None
+    assert [queue.position(jobs[turn]) for turn in turns] == list(range(6))
+    assert [queue.take() for _ in range(6)] == [jobs[turn] for turn in turns]
+    assert queue.take() is None and queue.position(jobs["a", 1]) is None
 
 
 def test_a_cancelled_task_takes_no_turn_and_counts_before_nobody():
     queue = FairQueue()
-    old, new, one, two = Task((), "a"), Task((), "a"), Task((), "b"), Task((), "b")
-    for task in (old, one, two, new):
-        queue.add(task)
+    old, new, one, two = Job((), "a"), Job((), "a"), Job((), "b"), Job((), "b")
+    for job in (old, one, two, new):
+        queue.add(job)
     queue.remove(old)
-    assert [queue.position(task) for task in (new, one, two, old)] == [0, 1, 2, None]
+    assert [queue.position(job) for job in (new, one, two, old)] == [0, 1, 2, None]
     assert [queue.take() for _ in range(4)] == [new, one, two, None]
 
 
 def test_many_cancelled_tasks_of_an_owner_leave_nothing_in_the_queue():
     queue = FairQueue()
     for _ in range(1000):
-        task = Task((), "a", LATER)
-        queue.add(task)
-        queue.remove(task)
+        job = Job((), "a", LATER)
+        queue.add(job)
+        queue.remove(job)
     assert list(queue) == [] and queue.take() is None
 
 
 def test_a_slow_run_gets_a_turn_while_sliders_are_dragged_all_the_time(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("app.service.fair_queue.monotonic", lambda: now[0])
+    for module in ("fair_queue", "job"):
+        monkeypatch.setattr(f"app.service.{module}.monotonic", lambda: now[0])
     queue = FairQueue()
-    slow = Task((), "a", HEAVY)
+    slow = Job((), "a", HEAVY)
     queue.add(slow)
     served = []
     while slow not in served and now[0] < 60.0:
-        queue.add(Task((), "b", SCREEN))  # the queue never gets empty
+        queue.add(Job((), "b", SCREEN))  # the queue never gets empty
         now[0] += 0.1
         served.append(queue.take())
     assert abs(now[0] - HEAVY * AGEING) < 0.5 and served.count(slow) == 1  # HEAVY is two ranks above SCREEN
@@ -154,15 +157,17 @@ def test_a_slow_run_gets_a_turn_while_sliders_are_dragged_all_the_time(monkeypat
 def test_a_run_that_has_begun_waits_for_its_turn_only_once(monkeypatch):
     """Each of its parts waited anew; but it never goes before what is there already."""
     now = [0.0]
-    monkeypatch.setattr("app.service.fair_queue.monotonic", lambda: now[0])
+    for module in ("fair_queue", "job"):
+        monkeypatch.setattr(f"app.service.{module}.monotonic", lambda: now[0])
     queue = FairQueue()
+    now[0] = 1.0
+    begun = Job((), "c", EXACT)
     now[0] = 10.0
-    waiting = [Task((), owner, SCREEN) for owner in "ab"]
-    begun = Task((), "c", EXACT, since=1.0)
-    for task in (*waiting, begun):
-        queue.add(task)
+    waiting = [Job((), owner, SCREEN) for owner in "ab"]
+    for job in (*waiting, begun):
+        queue.add(job)
     now[0] += 0.1
-    later = Task((), "e", SCREEN)
+    later = Job((), "e", SCREEN)
     queue.add(later)
     assert [queue.take() for _ in range(4)] == [*waiting, begun, later]
 
@@ -194,18 +199,18 @@ def test_a_silent_pool_counts_as_dead_unless_a_worker_is_idle(monkeypatch):
     assert not workers.alive()[0]
     workers.start()
     assert workers.alive()[0]  # warming up
-    workers.submit(worker.ready).result(PATIENCE)
+    asked(workers, worker.ready).result(PATIENCE)
     monkeypatch.setattr("app.service.pool.SILENT", -1.0)  # from now on only an idle worker counts
     until(lambda: workers.alive()[0])
-    task = workers.submit(time.sleep, PATIENCE, seconds=PATIENCE)
-    until(task.running)
+    job = asked(workers, time.sleep, PATIENCE, seconds=PATIENCE)
+    until(lambda: job.slot)
     assert not workers.alive()[0] and "no worker has answered" in workers.alive()[1]
     workers.close()
 
 
 def test_closing_the_pool_leaves_no_process():
     workers = Pool(size=1)
-    workers.submit(worker.ready).result(PATIENCE)
+    asked(workers, worker.ready).result(PATIENCE)
     (process,) = workers.processes()
     workers.close()
     with pytest.raises(ProcessLookupError):
@@ -218,40 +223,40 @@ def test_expensive_tasks_leave_a_worker_for_quick_ones(rank, quick):
     """A QR code, which is computed later than what is on screen, waited a minute for a measurement."""
     workers = Pool(size=2)
     both_at_work(workers)
-    slow = [workers.submit(time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE)]
-    until(slow[0].running)
-    assert workers.submit(os.getpid, rank=quick).result(PATIENCE) > 0 and slow[0].running()
-    slow += [workers.submit(time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE) for _ in range(2)]
-    assert workers.submit(os.getpid).result(PATIENCE) > 0
-    assert sum(task.running() for task in slow) == 1
-    assert [workers.position(task) for task in slow] == [None, 0, 1]
+    slow = [asked(workers, time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE)]
+    until(lambda: slow[0].slot)
+    assert asked(workers, os.getpid, rank=quick).result(PATIENCE) > 0 and slow[0].slot
+    slow += [asked(workers, time.sleep, 10 * PATIENCE, rank=rank, seconds=PATIENCE) for _ in range(2)]
+    assert asked(workers, os.getpid).result(PATIENCE) > 0
+    assert sum(job.slot is not None for job in slow) == 1
+    assert [workers.position(job) for job in slow] == [None, 0, 1]
     workers.close()
 
 
 def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks(single, tmp_path):
     done, waiting = [], tmp_path / "waiting"
     waiting.touch()
-    busy = single.submit(until_removed, waiting, seconds=PATIENCE)
-    tasks = {rank: single.submit(os.getpid, rank=rank, owner=rank) for rank in (LATER, EXACT, SCREEN)}
+    busy = asked(single, until_removed, waiting, seconds=PATIENCE)
+    jobs = {rank: asked(single, os.getpid, rank=rank, owner=rank) for rank in (LATER, EXACT, SCREEN)}
     assert not busy.done()  # all of them wait together
-    for rank, task in tasks.items():
-        task.add_done_callback(lambda _, rank=rank: done.append(rank))
+    for rank, job in jobs.items():
+        job.add_done_callback(lambda _, rank=rank: done.append(rank))
     waiting.unlink()
-    until(lambda: len(done) == len(tasks))
+    until(lambda: len(done) == len(jobs))
     assert done == [SCREEN, EXACT, LATER]
 
 
 def test_a_single_worker_also_runs_background_tasks(single):
-    assert single.submit(os.getpid, rank=LATER).result(PATIENCE) > 0
+    assert asked(single, os.getpid, rank=LATER).result(PATIENCE) > 0
 
 
 def test_background_tasks_of_the_server_do_not_count_as_in_flight(single):
-    own = single.submit(worker.ready, owner=NOBODY)
+    own = asked(single, worker.ready, owner=NOBODY)
     assert single.in_flight == 0
-    visitors = single.submit(worker.ready, owner="a visitor")
+    visitors = asked(single, worker.ready, owner="a visitor")
     assert visitors.done() or single.in_flight == 1
-    for task in (own, visitors):
-        task.result(PATIENCE)
+    for job in (own, visitors):
+        job.result(PATIENCE)
 
 
 @pytest.mark.parametrize(("address", "warned"), [("tcp://10.0.0.2:8786", True), ("tls://10.0.0.2:8786", False)])

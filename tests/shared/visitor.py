@@ -12,8 +12,8 @@ import numpy as np
 
 from app.experiment import Experiment
 from app.service import worker
+from app.service.job import Job
 from app.service.jobs import Jobs
-from app.service.pool import Task
 from app.stage import Wire
 from solver import Scene
 
@@ -133,24 +133,38 @@ def _filled(few, kept, count):
     return few[before] + (at - before)[:, None] * (few[after].astype(float) - few[before])
 
 
+def asked(pool, call, *arguments, **how):
+    """The job of a call, which the pool has from now on; how: as of `Job`."""
+    return pool.submit(Job((call, *arguments), **how))
+
+
 class NoPool:
-    """A pool that takes tasks and never does any."""
+    """A pool that takes jobs and does none; `answer` does what a worker does when a call has returned."""
 
     status, in_flight = "ready", 0
 
     def __init__(self):
-        self.tasks = []
+        self.jobs = []  # each as often as it was submitted
 
-    def submit(self, *task, owner=None, rank=0, seconds=0.0, since=None, hear=None):
-        self.tasks.append(Task(task, owner, rank))
-        self.tasks[-1].hear = hear
-        return self.tasks[-1]
+    def submit(self, job):
+        self.jobs.append(job)
+        return job
 
-    def position(self, task):
+    def answer(self, job, made):
+        if job.returned(made):
+            self.submit(job)
+
+    def does(self, job):
+        self.answer(job, job.call[0](*job.call[1:], *job.state))
+
+    def move_up(self, job, owner, rank):
+        job.owner, job.rank = owner, rank
+
+    def position(self, job):
         return None
 
-    def abandon(self, task):
-        task.cancel()
+    def abandon(self, job):
+        job.cancel()
 
 
 def messages(session):

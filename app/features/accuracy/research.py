@@ -14,8 +14,8 @@ import param
 from app.document import on_loop
 from app.features.accuracy.feature import TITLE
 from app.features.lab.base import LabPage, side_by_side
+from app.service.job import HEAVY
 from app.service.jobs import jobs
-from app.service.pool import HEAVY
 from solver.accuracy.compare import Point
 from solver.accuracy.measure import measure
 from solver.live_plots import PALE, WORKS, Curve, work_precision

@@ -3,7 +3,7 @@
 from app import interface
 from app.features.film import tasks
 from app.service import worker
-from app.service.pool import HEAVY
+from app.service.job import HEAVY
 from app.session import orders
 from app.session.orders import order
 

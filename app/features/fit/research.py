@@ -20,7 +20,7 @@ from app.features.fit import tasks
 from app.features.fit.feature import TITLE
 from app.features.lab.base import LabPage, side_by_side
 from app.features.lab.tasks import flat_frames
-from app.service.pool import HEAVY
+from app.service.job import HEAVY
 from app.session.orders import LARGEST
 from solver import DataError, fit
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve

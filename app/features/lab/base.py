@@ -15,8 +15,8 @@ from app.features.lab.feature import back, slider_name
 from app.features.lab.look import CHART, HEADING, TEXT
 from app.features.lab.tasks import tried
 from app.service.caller import Lost
+from app.service.job import EXACT
 from app.service.jobs import jobs
-from app.service.pool import EXACT
 from app.session.controls import CONTROLS, RANGES, changed_scene
 from solver import Scene
 from solver.live_plots import Curve, chart, draw

@@ -18,7 +18,6 @@ from urllib.parse import urlencode
 
 import panel as pn
 from bokeh.models import CustomJS
-from panel.io.resources import LOCAL_DIST
 
 from app import interface
 from app.features.lab.look import TEXT, css, theme
@@ -136,7 +135,7 @@ class Feature(interface.Feature):
 def _serve(doc, arguments):
     name, ground = (arguments.get(key, [b""])[-1].decode("utf-8", "replace") for key in ("lab", "theme"))
     dark = ground == "dark"
-    doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url=LOCAL_DIST)  # nothing from elsewhere
+    doc.template_variables.update(app_favicon=ICON, apple_icon=ICON, dist_url="static/extensions/panel/")  # from here
     doc.js_on_event("document_ready", CustomJS(code=MEND))
     pn.extension(theme="dark" if dark else "default", browser_info=False, raw_css=[css(dark)])
     doc.theme = theme(dark)

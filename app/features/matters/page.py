@@ -6,7 +6,7 @@ draws both (page.js); it colours the nodes in the view of the punch.
 
 from app.features.matters import tasks
 from app.features.pages.sheet import Sheet
-from app.service.pool import HEAVY
+from app.service.job import HEAVY
 
 TITLE, ORDER = "What matters", 5
 LOST = "it could not be computed. Change a parameter to try again"

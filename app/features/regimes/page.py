@@ -19,7 +19,7 @@ from app.features.regimes.grid import AXES, COLUMNS, FIRST, ROWS, grid_of
 from app.features.regimes.store import stored
 from app.service import metrics
 from app.service.cache import Cache
-from app.service.pool import HEAVY
+from app.service.job import HEAVY
 from solver import Scene, SceneError
 from solver.analysis.maps import REGIMES, Point
 from solver.following.skeleton import Skeleton

@@ -7,7 +7,7 @@ from typing import Any
 from app import interface
 from app.features.share import tasks
 from app.service import worker
-from app.service.pool import HEAVY
+from app.service.job import HEAVY
 from app.service.requests import Requests
 from app.session import orders
 from app.session.orders import order

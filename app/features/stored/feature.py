@@ -1,7 +1,6 @@
 """Stored runs: those of the experiments at the top of the page are on screen until the computed run has come."""
 
 from collections.abc import Iterable
-from concurrent.futures import CancelledError
 from contextlib import suppress
 from typing import Any
 
@@ -10,8 +9,8 @@ from tornado.ioloop import IOLoop
 from app import interface
 from app.features.stored.store import FOLDER, row
 from app.service.caller import Lost
+from app.service.job import NOBODY
 from app.service.jobs import Jobs, jobs
-from app.service.pool import NOBODY
 from app.service.worker import compute
 from solver import Scene
 from solver.presets import presets
@@ -44,6 +43,6 @@ class Feature(interface.Feature):
 
 async def precompute(jobs: Jobs, scenes: Iterable[Scene]) -> None:
     """Compute runs one by one on workers that nobody needs, so that they are in the cache."""
-    with suppress(Lost, CancelledError):  # the pool has been closed
+    with suppress(Lost):  # the pool has been closed
         for scene in scenes:
             await jobs.result(compute, scene, owner=NOBODY)

@@ -105,14 +105,13 @@ def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
 
 
 def reading_of(session):
-    """The task that reads the profile sent last."""
-    return next(task for task in reversed(session.jobs.pool.tasks) if task.call[0] is tasks.look)
+    """The job that reads the profile sent last."""
+    return next(job for job in reversed(session.jobs.pool.jobs) if job.call[0] is tasks.look)
 
 
 def answer(session):
     """Let a worker read the file sent last, and the visitor receive what is in it."""
-    task = reading_of(session)
-    task.set_result(task.call[0](*task.call[1:]))
+    session.jobs.pool.does(reading_of(session))
 
 
 def test_sliders_moved_while_a_profile_is_read_are_kept_and_a_preset_replaces_it(session):

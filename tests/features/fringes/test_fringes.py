@@ -21,11 +21,10 @@ def test_repeated_requests_for_a_layer_table_compute_it_once(session):
     order(session, "hello")
     for rows in (100, 60, 100, 60):
         order(session, "layer", rows=rows, modes=100, depth=100.0)
-    made = [task for task in session.jobs.pool.tasks if task.call[0] is tasks.layer_table]
-    assert len(made) == 2 and not any(task.cancelled() for task in made)
-    for task in made:
-        task.set_running_or_notify_cancel()
-        task.set_result(task.call[0](*task.call[1:]))
+    made = [job for job in session.jobs.pool.jobs if job.call[0] is tasks.layer_table]
+    assert len(made) == 2 and not any(job.cancelled() for job in made)
+    for job in made:
+        session.jobs.pool.does(job)
     sent = messages(session)
     order(session, "layer", rows=100, modes=100, depth=100.0)
     assert [message["kind"] for message in sent].count("table") == 1  # what is known is sent at once

@@ -13,24 +13,24 @@ def test_sweep_of_the_press_depth_publishes_a_point_per_slip_and_ends_with_the_p
     order(session, "page", page="load")
     session.show(Scene(nodes=128, width=312.5, u_x_max=20.0, du_x=0.5, du_z=0.5), "fig6")
     order(session, "ask", what="sweep")
-    calls = session.jobs.pool.tasks
+    calls = session.jobs.pool.jobs
     assert (
         len(session.features["pages"].page.sweep.waiting) == 12
         and session.features["pages"].page.published["busy"] == 0.0
     )
-    calls = [task for task in calls if task.call[0] is first_slip]
+    calls = [job for job in calls if job.call[0] is first_slip]
     scene = calls[3].call[1]
     result, _ = in_slices(first_slip, scene)
-    calls[3].set_result(result)
-    calls[4].set_result(None)  # no slip
-    calls[5].set_result("no equilibrium")
+    session.jobs.pool.answer(calls[3], result)
+    session.jobs.pool.answer(calls[4], None)  # no slip
+    session.jobs.pool.answer(calls[5], "no equilibrium")
     page = session.features["pages"].page.published
     assert page["swept"] == [{"scene": plain({name: getattr(scene, name) for name in PARAMETERS}), **result}]
     expected = row_of(scene)
     assert [result[name] for name in "UFL"] == [expected[name] for name in ("U_s (nm)", "F_s (N/m)", "L_s (N/m)")]
     assert page["texts"]["load-why"] == "Not computed at δ/δ₀ = 0.2: no equilibrium"
     order(session, "page", page="")
-    assert all(task.done() for task in calls if task.call[0] is first_slip)
+    assert all(job.done() for job in calls if job.call[0] is first_slip)
 
 
 def test_sweep_of_a_path_that_sets_its_own_depth_says_why_there_is_none(session):

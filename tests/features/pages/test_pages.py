@@ -8,12 +8,12 @@ from app.features.pages import feature
 from app.features.pages.sheet import Sheet
 
 
-def test_closed_pages_cause_no_tasks_and_no_messages(session):
+def test_closed_pages_cause_no_jobs_and_no_messages(session):
     sent = messages(session)
     order(session, "hello")
     order(session, "scene", E="80")
     assert {message["kind"] for message in sent} == {"status"} and all(
-        task.call[0].__module__ == "app.service.worker" for task in session.jobs.pool.tasks
+        job.call[0].__module__ == "app.service.worker" for job in session.jobs.pool.jobs
     )
 
 

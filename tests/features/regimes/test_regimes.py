@@ -27,17 +27,17 @@ def test_map_points_are_followed_from_the_bytes_of_their_neighbours():
 def answered(session):
     """Answer every requested point, also later ones: slips in the left half, smooth sliding in the right."""
     done, slips = 0, REGIMES.index("slips by one site")
-    while left := [task for task in session.jobs.pool.tasks if is_point(task) and not task.done()]:
-        for task in left:
+    while left := [job for job in session.jobs.pool.jobs if is_point(job) and not job.done()]:
+        for job in left:
             done += 1
-            i, j = task.call[1].i, task.call[1].j
+            i, j = job.call[1].i, job.call[1].j
             regime = REGIMES[slips if i <= COLUMNS // 2 else slips - 2]
-            task.set_result((Point(i=i, j=j, regime=regime, F_s=1e-4), None))
+            session.jobs.pool.answer(job, (Point(i=i, j=j, regime=regime, F_s=1e-4), None))
     return done
 
 
-def is_point(task):
-    return task.call[0] is tasks.map_point
+def is_point(job):
+    return job.call[0] is tasks.map_point
 
 
 @pytest.fixture

@@ -52,19 +52,19 @@ def test_python_code_of_a_preset_reproduces_its_scene(name):
 
 def test_exports_use_the_newest_scene_while_it_waits(session):
     session.hello()
-    session.jobs.pool.tasks[-1].set_running_or_notify_cancel()
+    session.jobs.pool.jobs[-1].slot = "a worker"
     session.change({"E": "90"})
     assert session.pursuit.requested and session.pursuit.scene == session.scene
 
 
-def test_many_orders_for_files_leave_few_tasks_and_no_memory(session):
+def test_many_orders_for_files_leave_few_jobs_and_no_memory(session):
     session.hello()
     for k in range(2000):
         say(session, {"do": "export", "kind": ("npz", "json")[k % 2], "n": k})
     say(session, {"do": "export", "kind": "py", "n": 2000})  # is refused, and ends no other
-    left = [task for task in session.jobs.pool.tasks if not task.cancelled()]
-    assert len([task for task in left if task.call[0] is worker.compute]) == 1
-    assert len([task for task in left if task.call[0] is tasks.file_of_run]) == 2
+    left = [job for job in session.jobs.pool.jobs if not job.cancelled()]
+    assert len([job for job in left if job.call[0] is worker.compute]) == 1
+    assert len([job for job in left if job.call[0] is tasks.file_of_run]) == 2
     assert len(session.jobs._shared) <= 1 and len(session.features["share"].waiting) == 2
 
 
@@ -72,8 +72,8 @@ def test_a_file_that_takes_too_long_is_refused_with_advice_by_a_worker_that_live
     monkeypatch.setattr(tasks, "LONGEST_FILE", 0.0)
     sent = messages(session)
     say(session, {"do": "export", "kind": "json"})
-    (task,) = session.jobs.pool.tasks
-    task.set_result(task.call[0](*task.call[1:]))
+    (job,) = session.jobs.pool.jobs
+    session.jobs.pool.does(job)
     assert sent == [{"kind": "file", "ending": "json", "why": share.SLOW, "body": b""}]
 
 

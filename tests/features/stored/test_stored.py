@@ -7,9 +7,10 @@ from helpers import until
 from visitor import PATIENCE, NoPool
 
 from app.features.stored.feature import precompute
+from app.service.caller import Lost
+from app.service.job import LATER, NOBODY
 from app.service.jobs import Jobs
 from app.service.packing import Frames
-from app.service.pool import LATER, NOBODY
 from app.service.worker import compute
 from solver import Scene
 
@@ -24,10 +25,10 @@ def test_server_precomputes_runs_one_by_one_at_background_rank():
     jobs.results.put((compute, scenes[1]), ((compute, scenes[1]), Frames()))
     done = precomputed(jobs, scenes)
     for count, scene in ((1, scenes[0]), (2, scenes[2])):
-        until(lambda count=count: len(jobs.pool.tasks) == count)
-        task = jobs.pool.tasks[-1]
-        assert task.call == (compute, scene) and (task.owner, task.rank) == (NOBODY, LATER)
-        task.set_result(Frames(frames=7))
+        until(lambda count=count: len(jobs.pool.jobs) == count)
+        job = jobs.pool.jobs[-1]
+        assert job.call == (compute, scene) and (job.owner, job.rank) == (NOBODY, LATER)
+        jobs.pool.answer(job, Frames(frames=7))
     done.result(PATIENCE)
     assert jobs.results[compute, scenes[2]][1].frames == 7
 
@@ -35,7 +36,7 @@ def test_server_precomputes_runs_one_by_one_at_background_rank():
 def test_precomputing_runs_ends_with_the_pool():
     jobs = Jobs(NoPool())
     done = precomputed(jobs, [Scene(), Scene(E=80.0)])
-    until(lambda: jobs.pool.tasks)
-    jobs.pool.tasks[0].cancel()
+    until(lambda: jobs.pool.jobs)
+    jobs.pool.answer(jobs.pool.jobs[0], Lost("closed", "the server is being stopped"))
     done.result(PATIENCE)
-    assert len(jobs.pool.tasks) == 1
+    assert len(jobs.pool.jobs) == 1
