@@ -3,6 +3,9 @@
 The fold at which a slip begins and the fold at which the branch turns again merge in a cusp (`cusp`). The search
 follows a fold of the scene to its cusp, then walks once over the period just beyond: while there is another fold, it
 follows that one. From a scene that slides smoothly it starts where its branch is least steep.
+
+A surface under tension that jumps into contact near delta may slip only since it did: beyond the value at which the
+jump comes at delta, it stays out of contact and may slide smoothly. Then that value is the boundary.
 """
 
 from dataclasses import dataclass, field, replace
@@ -13,8 +16,12 @@ from ..continuation.arc import walk_arc
 from ..continuation.corrector import Corrector
 from ..continuation.state import NotConverged, Point
 from ..following.from_run import skeleton_of
-from ..following.moved import NotFollowed
+from ..following.moved import NotFollowed, Solver
 from ..following.skeleton import Skeleton
+from ..mechanics.contact import Contact
+from ..mechanics.equilibrium import Equilibrium
+from ..run.load_steps import vertical
+from ..run.loadpath import until
 from ..scene import LIMITS, Scene, SceneError
 from ..schema import unknown_name
 from ..threads import computation
@@ -30,6 +37,11 @@ GENTLE = 0.1  # slope of the load over the largest one: where it is less, a smal
 BACK = 0.03  # units: the distance of the first two points of a walk
 SOLVED = 1e-6  # nm, residual of its points
 WALKED = 200  # most points of a period
+# Of log p: the first step and the longest one to where the jump into contact comes at delta, and the last one
+TRIED, FARTHEST, SURE = 0.01, 0.1, 1e-9
+TRIES = 40  # of such steps
+PAST = 3e-3  # of the parameter: so far beyond, a run shows whether the surface slips; nearer the jump it is soft
+SLIPPING = 0.97, 0.9, 0.7, 0.4  # of the parameter: scenes that may slip where one slides smoothly
 
 
 class Beyond(Lost):
@@ -41,7 +53,8 @@ class Boundary:
     """Where stick-slip ends and smooth sliding begins.
 
     value: of the parameter `name`; None where it was not found, and `why` says the reason. U_x, nm: the load at which
-    the last slip vanishes; scene: with that value. evaluations: force evaluations, but for those of the scene's run.
+    the last slip vanishes; nan where slips end as the surface no longer jumps into contact. scene: with that value.
+    evaluations: force evaluations, but for those of the scene's run.
 
     Example: `boundary(Scene(), "E", within=(10.0, 3000.0))`
     """
@@ -103,7 +116,70 @@ class _Search:
         return Beyond(f"the boundary lies beyond {self.name} = {self.within[0]:g} .. {self.within[1]:g}")
 
     def found(self, run) -> State:
-        """The State at the boundary, from a Scene or its Skeleton or, if that fails, from a scene that is smoother."""
+        """The State at the boundary, from a Scene or its Skeleton; raises Lost."""
+        scene = run.scene if isinstance(run, Skeleton) else run
+        if scene.delta >= 0.0 or scene.hold == "load":
+            return self.by_cusp(run)
+        run = run if isinstance(run, Skeleton) else skeleton_of(run)
+        slips = run.branches[-1].slip is not None
+        entry = self.entry(run) if slips and run.trace.jumps else None
+        try:
+            state = self.by_cusp(run)
+        except (Lost, NotFollowed, np.linalg.LinAlgError):
+            if entry is None and slips:
+                raise
+            state = None
+        if entry and not (state and self.way * (self.value(entry) - self.value(state)) > 0.0):
+            state = entry
+        elif slips:
+            return state
+        if state and not self.slips(beyond := state.moved(self.name, 0.0, 0.0, self.way * PAST).scene):
+            return state
+        return self.found(skeleton_of(beyond if state else self.slipping(scene)))
+
+    def slips(self, scene) -> bool:
+        """Whether the surface slips in the run of a scene."""
+        for frame, _ in until(scene, lambda frame: frame.repeated or bool(frame.slips)):
+            self.evaluations += frame.evaluations
+        return bool(frame.slips)
+
+    def slipping(self, scene) -> Scene:
+        """A scene less smooth than this one, in which the surface slips; raises Lost."""
+        for part in SLIPPING:
+            other = scene.changed(**{self.name: getattr(scene, self.name) * part**self.way})
+            if self.slips(other):
+                return other
+        raise Lost("the surface does not slip for other values either")
+
+    def entry(self, skeleton) -> State | None:
+        """The State in which the surface jumps into contact at delta; None if the jump is lost, or out of range."""
+        scene, jump, step = skeleton.scene, skeleton.trace.jumps[-1], self.way * TRIED
+        before = None  # (log p, delta of the jump)
+        for _ in range(TRIES):
+            contact = Contact(scene, skeleton.first, skeleton.nodes)
+            try:
+                jump = Solver(Equilibrium(contact, vertical(1.0))).fold(jump, "the jump into contact")
+            except NotFollowed:
+                return None
+            finally:
+                self.evaluations += contact.evaluations
+            there = np.log(getattr(scene, self.name)), jump.load
+            if before and there[1] != before[1]:
+                step = (scene.delta - there[1]) * (there[0] - before[0]) / (there[1] - before[1])
+            state = State(scene, skeleton.first, jump.v, np.nan, jump.phi)
+            if abs(step) < SURE:
+                return state
+            before, step = there, float(np.clip(step, -FARTHEST, FARTHEST))
+            try:
+                scene = state.moved(self.name, 0.0, 0.0, step).scene
+            except Lost:
+                return None
+            if not self.within[0] <= getattr(scene, self.name) <= self.within[1]:
+                return None
+        return None
+
+    def by_cusp(self, run) -> State:
+        """The State at the cusp of a Scene or its Skeleton or, if that fails, of a scene that is smoother."""
         scene = run.scene if isinstance(run, Skeleton) else run
         try:
             return self.lowest(run if isinstance(run, Skeleton) else skeleton_of(run))

@@ -52,6 +52,22 @@ def test_the_default_stops_slipping_where_bisection_by_whole_runs_found_it(defau
     assert getattr(found.scene, name) == found.value and found.evaluations < 2000
 
 
+@pytest.mark.parametrize("E", [60.0, 74.0])
+def test_under_tension_slips_end_where_the_surface_no_longer_jumps_into_contact(E):
+    """The load before shear then changes from that of a contact to less than half of it, between two runs."""
+    scene = Scene(delta_bar=-0.41, E=E)
+    found = boundary(scene, "E")
+    assert np.isnan(found.U_x)
+    assert [slips(scene.changed(E=found.value * part)) for part in (1.0 - BESIDE, 1.0 + BESIDE)] == [True, False]
+    drawn, apart = (at_rest(scene.changed(E=found.value * part)) for part in (1.0 - 1e-6, 1.0 + 1e-6))
+    assert drawn.L < 2.0 * apart.L < 0.0
+
+
+def at_rest(scene):
+    """The Frame at the end of the approach."""
+    return next(frame for frame in load_path(scene) if frame.stage == "shear")
+
+
 @pytest.mark.parametrize("start", [0.9, 1.1])
 @pytest.mark.parametrize("own", [{}, {"nu": 0.3, "phi_ratio": 0.5}])
 def test_a_flat_stops_slipping_at_its_closed_form_from_either_side(own, start):
