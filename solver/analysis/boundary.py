@@ -9,6 +9,7 @@ jump comes at delta, it stays out of contact and may slide smoothly. Then that v
 """
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -126,20 +127,21 @@ class _Search:
         try:
             state = self.by_cusp(run)
         except (Lost, NotFollowed, np.linalg.LinAlgError):
-            if entry is None and slips:
+            if slips and entry is None:
                 raise
-            state = None
-        if entry and not (state and self.way * (self.value(entry) - self.value(state)) > 0.0):
             state = entry
-        elif slips:
+        if state is None:
+            return self.found(skeleton_of(self.slipping(scene)))
+        if entry is not None and self.way * (self.value(entry) - self.value(state)) < 0.0:
+            state = entry
+        if slips and state is not entry:
             return state
-        if state and not self.slips(beyond := state.moved(self.name, 0.0, 0.0, self.way * PAST).scene):
-            return state
-        return self.found(skeleton_of(beyond if state else self.slipping(scene)))
+        beyond = state.moved(self.name, 0.0, 0.0, self.way * PAST).scene
+        return self.found(skeleton_of(beyond)) if self.slips(beyond) else state
 
     def slips(self, scene) -> bool:
-        """Whether the surface slips in the run of a scene."""
-        for frame, _ in until(scene, lambda frame: frame.repeated or bool(frame.slips)):
+        """Whether the surface slips in the shear of a scene's run."""
+        for frame, _ in until(scene, lambda frame: frame.stage == "shear" and bool(frame.slips or frame.repeated)):
             self.evaluations += frame.evaluations
         return bool(frame.slips)
 
@@ -153,7 +155,8 @@ class _Search:
 
     def entry(self, skeleton) -> State | None:
         """The State in which the surface jumps into contact at delta; None if the jump is lost, or out of range."""
-        scene, jump, step = skeleton.scene, skeleton.trace.jumps[-1], self.way * TRIED
+        scene, step = skeleton.scene, self.way * TRIED
+        jump: Any = skeleton.trace.jumps[-1]
         before = None  # (log p, delta of the jump)
         for _ in range(TRIES):
             contact = Contact(scene, skeleton.first, skeleton.nodes)

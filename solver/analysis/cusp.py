@@ -63,7 +63,7 @@ class State:
         """Number of nodes of the patch."""
         return self.v.size // 2
 
-    def moved(self, name: str, dv: Floats, load: float, change: float) -> "State":
+    def moved(self, name: str, dv: Floats | float, load: float, change: float) -> "State":
         """The State moved by dv and load (nm), for a parameter multiplied by exp(change); raises Lost."""
         try:
             scene = self.scene.changed(**{name: float(getattr(self.scene, name) * np.exp(change))})
