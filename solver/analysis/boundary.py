@@ -123,13 +123,12 @@ class _Search:
             return self.by_cusp(run)
         run = run if isinstance(run, Skeleton) else skeleton_of(run)
         slips = run.branches[-1].slip is not None
-        entry = self.entry(run) if slips and run.trace.jumps else None
+        state = entry = self.entry(run) if slips and run.trace.jumps else None
         try:
             state = self.by_cusp(run)
         except (Lost, NotFollowed, np.linalg.LinAlgError):
             if slips and entry is None:
                 raise
-            state = entry
         if state is None:
             return self.found(skeleton_of(self.slipping(scene)))
         if entry is not None and self.way * (self.value(entry) - self.value(state)) < 0.0:
