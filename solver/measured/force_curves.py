@@ -96,6 +96,8 @@ def _block(curves, index):
     # of other modes, numbers count segments: 1 is no retraction
     if "segment" in read and not (curve.modality == "force-distance" and np.ptp(read["segment"]) > 0):
         del read["segment"]
+    if "height (measured)" in read:
+        read = {name: column for name, column in read.items() if name not in ("height (piezo)", "tip position")}
     names, cells = list(read), list(read.values())
     columns = tuple(
         Column(name, column_units.get(name) or None, *range_of(own)) for name, own in zip(names, cells, strict=True)

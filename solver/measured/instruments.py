@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..surfaces import DataError
 from .tables import index_of
-from .units import agreed, factor, is_unit
+from .units import agreed, is_unit, measure
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 BEGIN = 500  # characters that have the known beginning of a text
@@ -49,7 +49,7 @@ def read_line(
     if unit is None and not is_unit(found):
         names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
         raise DataError(f"the file names {names}, as in unit='{'1 ' * bool(found)}um'", call={"unit": ...})
-    nm = factor(found) if unit is None else agreed(unit, found)
+    nm, _ = measure(found) if unit is None else agreed(unit, found)
     heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
     heights[np.abs(heights) > MISSING] = np.nan
     sizes, z, where = surface.physical_sizes, heights, "line"

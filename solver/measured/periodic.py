@@ -67,6 +67,7 @@ def made_periodic(
 
     Raises DataError; a SteepError names a cut-off with which the profile is read to its end.
     """
+    reject_few(points)
     points, cut = _cut(points, width, part)
     try:
         return _made(points, periodic, width, cut_off, [*notes, *cut])

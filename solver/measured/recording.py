@@ -52,7 +52,8 @@ class Recording:
 
     units: {"U_x", "delta", "F", "L", "A": unit}; forces are in N/m, or in N where the width across the pull is not
     known; "F_s" and "A_0": over the largest. free: whether the zero of x is that of the instrument. said: what the file
-    says above its columns. notes: what it has that was not used, and how the rest was read.
+    says above its columns. notes: what it has that was not used, and how the rest was read. lever: stiffness, N/m, that
+    the file says of a lever whose deflection is in delta.
     """
 
     kind: str
@@ -61,6 +62,7 @@ class Recording:
     free: bool = False
     said: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    lever: float | None = None
 
     @property
     def over(self) -> str:

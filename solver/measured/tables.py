@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
+from ..text import counted
 from .content import text_of
 from .headings import LABEL, heading_of
 from .layout import LONGEST, MISSING, is_number, layout_of, reject_wide
@@ -268,6 +269,7 @@ def index_of(names: Sequence[str], channel: str | int | None, what: str) -> int:
     return at
 
 
-def listed(items: Sequence) -> str:
-    """The first three of some items, as text."""
-    return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)
+def left_out(lines: NDArray[np.int64]) -> list[str]:
+    """[a note on incomplete rows in these lines (k,) of the file]."""
+    at = ", ".join(map(str, lines[:3].tolist())) + " ..." * (lines.size > 3)
+    return [f"{counted(lines.size, 'row')} without all numbers left out (line {at})."] * bool(lines.size)

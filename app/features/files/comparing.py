@@ -41,7 +41,7 @@ def curve_of(read: Measurement | Recording, options: dict[str, Any]) -> Curve:
         for each in moving
     )
     units = {name: read.units[name] for name in (read.over, *segments[0].values)}
-    return Curve(read.kind, segments, units, read.free, {}, read.notes, options)
+    return Curve(read.kind, segments, units, read.free, notes=read.notes, options=options)
 
 
 def shown(curve: Curve) -> dict[str, Any]:

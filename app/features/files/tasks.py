@@ -17,7 +17,6 @@ from solver.measured.force_curves import is_force_curve, read_block
 from solver.measured.instruments import is_instruments
 from solver.measured.periodic import proposed
 from solver.measured.roles import NAMED
-from solver.measured.said import lever_in
 from solver.measured.tables import SHOWN, Block, Table
 from solver.measured.units import named_unit, units_above
 
@@ -219,8 +218,8 @@ def _curve(scene, block, columns, chosen, seen):
         raise
     if read.kind == "load" and read.units["L"] == "N":
         seen["fields"] = {"deflection": "stiffness of the lever (N/m), to take its deflection off δ"}
-        named = lever_in(block.table, columns["delta"])
-        seen["deflection"] = options["deflection"] = (named if chosen.deflection is None else chosen.deflection) or None
+        lever = read.lever if chosen.deflection is None else chosen.deflection
+        seen["deflection"] = options["deflection"] = lever or None
         read = read_measurement(scene, block, **options)
     x = np.concatenate([each.x for each in read.segments])
     main = "A" if read.kind.startswith("area") else next(iter(read.segments[0].values))
