@@ -7,7 +7,7 @@ units, headings                lengths, forces and times; names and units of col
 layout                         how lines are cut into cells
 tables                         the block of numbers, its columns, the lines above
 columns                        which column is what, by name or as given; else a refusal that shows the table
-smoothing, instruments         the Gaussian filter; surfaces in the files of instruments
+instruments                    surfaces in the files of instruments
 force_curves                   force curves in the files of microscopes
 profile, periodic              a surface: x and z, made periodic
 noise, comparison              noise and slips of a curve; a curve beside that of a run

@@ -13,7 +13,7 @@ import numpy as np
 from ..surfaces import DataError
 from .content import Source, content_of
 from .instruments import INSTALL, is_instruments
-from .tables import FIRST, Block, Column, Table, index_of, range_of, table_in
+from .tables import FIRST, Block, Table, column_of, index_of, table_in
 
 FORMATS = {  # what the beginning and words of a file tell: how the name of such a file ends
     ".jpk-force": (b"PK", b"segments/", b"header.properties"),
@@ -69,7 +69,7 @@ def _of_microscope(content, channel):
         try:
             curves = afmformats.load_data(path)
             names = [f"curve {k}" for k in range(1, len(curves) + 1)]
-            return _block(curves, index_of(names, channel, "force curves"))
+            return _block(curves, index_of(names, channel, f"{len(names)} force curves"))
         except DataError:
             raise
         except (Exception, AFMFileFormatError, MissingMetaDataError, MetaDataMissingError) as error:  # three are none
@@ -98,10 +98,8 @@ def _block(curves, index):
         del read["segment"]
     if "height (measured)" in read:
         read = {name: column for name, column in read.items() if name not in ("height (piezo)", "tip position")}
-    names, cells = list(read), list(read.values())
-    columns = tuple(
-        Column(name, column_units.get(name) or None, *range_of(own)) for name, own in zip(names, cells, strict=True)
-    )
+    cells = list(read.values())
+    columns = tuple(column_of(name, column_units.get(name) or None, own) for name, own in read.items())
     spring = curve.metadata.get("spring constant")
     above = (f"spring constant: {spring:.6g} N/m",) if spring else ()
     first = tuple(tuple(f"{own[k]:.6g}" for own in cells) for k in range(min(FIRST, cells[0].size)))

@@ -90,7 +90,7 @@ def _channel(reader: Any, wanted: str | int | None) -> int:
     names = [channel.name or f"channel {k}" for k, channel in enumerate(reader.channels, 1)]
     if not names:
         raise DataError("the file holds no heights; export it as CSV of x and z")
-    return index_of(names, wanted, "channels")
+    return index_of(names, wanted, f"{len(names)} channels")
 
 
 def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:

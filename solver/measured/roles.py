@@ -50,7 +50,7 @@ MEANT = {  # the same where `kind` is given
     "load": ((*DEEP, "displacement"), (*LOADS, "force")),
     "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
 }
-UNITS_OF = {"F": FORCE, "L": FORCE, "time": ("s",), "A": (*LENGTH, "A_0")}  # of others: LENGTH
+UNITS_OF = {"U_x": LENGTH, "delta": LENGTH, "time": ("s",), "F": FORCE, "L": FORCE, "A": (*LENGTH, "A_0")}
 
 
 def quantity_of(role: str, kind: str) -> str:
@@ -165,13 +165,9 @@ class Roles:
         reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
-        (over, values), names = (
-            MEANT[kind],
-            {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind],
-        )
         timed = kind == "friction" and "time" in known and not {"U_x", "displacement"} & named
-        names = ("time", "F") if timed else names
-        over = [role for role in over if (role == "time") == timed]
+        names = ("time", "F") if timed else {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
+        over, values = [role for role in MEANT[kind][0] if (role == "time") == timed], MEANT[kind][1]
         at = [{known.get(each) for each in roles if each in named} for roles in (over, values)]
         self.of = {name: found.pop() for name, found in zip(names, at, strict=True) if len(found) == 1}
         self.of = {name: k for name, k in self.of.items() if k is not None}
@@ -179,9 +175,7 @@ class Roles:
 
     def _asked(self, reason, of, names, **more):
         """The DataError for the columns and units of quantities."""
-        return asked(
-            self.table, reason, of, {name: UNITS_OF.get(name, LENGTH) for name in names}, self.how.units, **more
-        )
+        return asked(self.table, reason, of, {name: UNITS_OF[name] for name in names}, self.how.units, **more)
 
     def _reject_units(self):
         """Raises DataError for a unit of what is no column of the file."""
@@ -195,11 +189,8 @@ class Roles:
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
         role, column, force = self.role[name], self.table.columns[self.of[name]], self.how.force
-        wanted, own, allowed = (
-            self.how.units.get(name, self.how.units.get(role)),
-            column.unit,
-            UNITS_OF.get(name, LENGTH),
-        )
+        wanted = self.how.units.get(name, self.how.units.get(role))
+        own, allowed = column.unit, UNITS_OF[name]
         if role.endswith("_bar"):
             if unit := wanted or (own if own and named_unit(own) else None):
                 call = {} if wanted or role in self.given else {"columns": {name: called(self.table, self.of[name])}}
@@ -220,7 +211,7 @@ class Roles:
         """The DataError for quantities without a unit that is known."""
         whys = []
         for name in missing:
-            unit, allowed = self.table.columns[self.of[name]].unit, ALLOWED[UNITS_OF.get(name, LENGTH)[0]]
+            unit, allowed = self.table.columns[self.of[name]].unit, ALLOWED[UNITS_OF[name][0]]
             why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
             whys.append(f"{why}; allowed units: {allowed}")
             if unit and name == "A" and re.search("[²2]", unit):

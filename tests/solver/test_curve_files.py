@@ -326,7 +326,7 @@ def test_several_tables_are_asked_for():
     first, second = (table("Time (s),Fx (N/m)", TIMED, k * np.sin(TIMED)) for k in (1.0, 2.0))
     text = f"{first}\n\nStep No. 2\n{second}"
     with pytest.raises(
-        DataError, match=r"^2 tables, which begin at lines 2, 55; 'all' .*; call .*channel=...\)$"
+        DataError, match=r"^2 tables: 1 'from line 2', 2 'from line 55', 3 'all'; call .*channel=...\)$"
     ) as refused:
         read_measurement(SMALL, text, speed=5.0)
     found = read_measurement(SMALL, text, **filled(refused, channel=2))

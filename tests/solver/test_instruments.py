@@ -9,7 +9,7 @@ from SurfaceTopography import Topography, UniformLineScan
 
 from solver import DataError, read_profile
 from solver.measured.instruments import is_instruments, read_line
-from solver.measured.smoothing import ALPHA, least_cut_off, smoothed
+from solver.measured.periodic import ALPHA, least_cut_off, smoothed
 from solver.measured.units import measure
 
 X = np.arange(400) * 2.5  # nm
