@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .comparison import Comparison, Computed, compared
+from .comparison import Comparison, compared
 from .noise import ALONE, FEWEST, JUMP, SUDDEN, drops_of, noise_of, rise_of, slips_of
 from .recording import Segment
 
@@ -51,7 +51,7 @@ class Measurement:
         force, area = "N/m" if self.unit else "w E", "nm" if self.width else "w"
         return {"U_x": "nm", "F": force, "L": force, "A": area}
 
-    def residuals(self, result: Computed) -> Comparison:
+    def residuals(self, result: Any) -> Comparison:
         """The curves of a Result beside the measured ones; see `comparison.compared`. Raises ValueError."""
         return compared(self, result)
 

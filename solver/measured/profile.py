@@ -14,7 +14,7 @@ from .force_curves import is_force_curve
 from .instruments import is_instruments, read_line
 from .periodic import Points, made_periodic, reject_few
 from .tables import SHOWN, Block, Table, left_out, table_in
-from .units import ALLOWED, LENGTH, agreed, is_unit, measure, mentioned, units_above
+from .units import LENGTH, agreed, allowed_of, is_unit, measure, mentioned, units_above
 
 LONGEST_GAP = 5  # rows in a row without both numbers
 FARTHEST = 1e9  # nm: of a number beyond a metre the unit is wrong
@@ -193,7 +193,7 @@ def _units(table, of, how):
         elif is_unit(unit):
             sizes[role], _ = measure(unit)
         elif unit:
-            raise _asked(table, f"{role} in {unit[:SHOWN]!r}; allowed units: {ALLOWED['nm']}", of, how)
+            raise _asked(table, f"{role} in {unit[:SHOWN]!r}; allowed units: {allowed_of()}", of, how)
         else:
             raise _asked(table, f"{role} has no unit{mentioned(table.above)}", of, how)
     return sizes, ", ".join(read)

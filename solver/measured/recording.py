@@ -1,18 +1,16 @@
 """Measured curves in segments: approach, hold and retract of a load, forth and back of a slide, area over a force."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..run.frame import STAGES, Stage
 from ..surfaces import DataError
-from .comparison import Comparison, Computed, compared
+from .comparison import Comparison, compared
 from .noise import FEWEST
 
 Floats = NDArray[np.float64]
@@ -87,7 +85,7 @@ class Recording:
             return f"F is in N, and a fit needs N/m; {remedy}"
         return "" if force == "N/m" else f"F is over {force}, and a fit needs N/m or F_bar; convert it"
 
-    def residuals(self, result: Computed) -> Comparison:
+    def residuals(self, result: Any) -> Comparison:
         """The curves of a Result beside the measured ones; see `comparison.compared`. Raises ValueError."""
         return compared(self, result)
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from ..surfaces import DataError
 from .columns import asked, called, checked, given, plain, recognised
 from .tables import SHOWN, Table
-from .units import ALLOWED, FORCE, LENGTH, agreed, is_unit, measure, named_unit, quantity
+from .units import FORCE, LENGTH, agreed, allowed_of, is_unit, measure, named_unit, quantity
 
 NEEDED_BY = {
     "friction": "U_x and F of friction, or time and F with a speed",
@@ -49,6 +49,11 @@ MEANT = {  # the same where `kind` is given
     "friction": (("U_x", "displacement", "time"), (*FORCES, "force")),
     "load": ((*DEEP, "displacement"), (*LOADS, "force")),
     "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
+}
+SIDES = {  # quantities of either side of a curve, the likely one first
+    "friction": (("U_x", "time"), ("F",)),
+    "load": (("delta",), ("L",)),
+    "area": (("F", "L", "U_x"), ("A",)),
 }
 UNITS_OF = {"U_x": LENGTH, "delta": LENGTH, "time": ("s",), "F": FORCE, "L": FORCE, "A": (*LENGTH, "A_0")}
 
@@ -166,7 +171,7 @@ class Roles:
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
         timed = kind == "friction" and "time" in known and not {"U_x", "displacement"} & named
-        names = ("time", "F") if timed else {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
+        names = ("time", "F") if timed else tuple(side[0] for side in SIDES[kind])
         over, values = [role for role in MEANT[kind][0] if (role == "time") == timed], MEANT[kind][1]
         at = [{known.get(each) for each in roles if each in named} for roles in (over, values)]
         self.of = {name: found.pop() for name, found in zip(names, at, strict=True) if len(found) == 1}
@@ -211,7 +216,7 @@ class Roles:
         """The DataError for quantities without a unit that is known."""
         whys = []
         for name in missing:
-            unit, allowed = self.table.columns[self.of[name]].unit, ALLOWED[UNITS_OF[name][0]]
+            unit, allowed = self.table.columns[self.of[name]].unit, allowed_of(UNITS_OF[name])
             why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
             whys.append(f"{why}; allowed units: {allowed}")
             if unit and name == "A" and re.search("[²2]", unit):

@@ -30,10 +30,11 @@ SIZES = {  # {the unit in which it is read: {unit: how much it is}}
 }
 READ_IN = {unit: name for name, units in SIZES.items() for unit in units}
 OTHERS = ("V", "mV", "volt", "volts", "ft", "pm", "px", "pixel", "pixels", "deg", "%", "Nm", "Pa", "kPa", "MPa")
-ALLOWED = {
-    "nm": 'nm, um, mm, cm, m, Å, in, or what 1 is, as "0.5 um"',
-    "N/m": 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"',
-    "s": "s, ms, min, h",
+USUAL = {  # the first to choose from, of each of these
+    "nm": ("nm", "um", "mm", "cm", "m", "Å", "in"),
+    "N/m": ("N/m", "mN/mm"),
+    "N": ("N", "mN", "uN", "nN", "pN", "g", "lbf"),
+    "s": ("s", "ms", "min", "h"),
 }
 WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
 RAISED = str.maketrans("⁻¹·*", "-1  ")
@@ -81,6 +82,16 @@ def quantity(unit: str | None) -> str:
     return "nm" if unit.lower() in SIZES["nm"] and (len(unit) > 2 or unit.isupper()) else ""
 
 
+def usual(of: tuple[str, ...] = LENGTH) -> tuple[str, ...]:
+    """Units to choose from, where one of `of` is wanted."""
+    return tuple(unit for name in of for unit in USUAL.get(name, (name,)))
+
+
+def allowed_of(of: tuple[str, ...] = LENGTH) -> str:
+    """The same as a message lists them."""
+    return f'{", ".join(usual(of))}, or what 1 is, as "0.5 {"nN" if "N" in of else usual(of)[1]}"'
+
+
 def is_unit(unit: str | None, of: tuple[str, ...] = LENGTH) -> bool:
     """Whether a unit is one of those that are read in one of some units."""
     return quantity(unit) in of
@@ -100,7 +111,7 @@ def measure(unit: str, of: tuple[str, ...] = LENGTH, name: str = "unit") -> tupl
     """
     times, word = _times_word(unit)
     if not is_unit(word, of) or not times > 0.0:
-        raise DataError(f"{name} = {str(unit)[:40]!r}; allowed units: {ALLOWED[of[0]]}; give one of these")
+        raise DataError(f"{name} = {str(unit)[:40]!r}; allowed units: {allowed_of(of)}; give one of these")
     sizes = SIZES[quantity(word)]
     return times * (sizes[word] if word in sizes else sizes[word.lower()]), quantity(word)
 

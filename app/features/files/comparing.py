@@ -12,7 +12,7 @@ from solver.measured.measurement import Measurement
 from solver.measured.recording import Recording
 from solver.run.frame import Stage
 
-LAID, COMPARED = 500, 5000  # points of a curve that the page draws; that are compared
+LAID, COMPARED = 150, 5000  # points of a curve that the page draws: more hide the run; that are compared
 FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
 COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  # of a run, as the page sends them
 
@@ -50,7 +50,7 @@ def shown(curve: Curve) -> dict[str, Any]:
     segments = [
         {name: y[::every].tolist() for name, y in ({"x": each.x} | each.values).items()} for each in curve.segments
     ]
-    made = {"kind": curve.kind, "over": curve.over, "units": curve.units, "segments": segments}
+    made = {"kind": curve.kind, "over": curve.over, "units": curve.units, "segments": segments, "columns": COLUMNS}
     return made | {"notes": " ".join(curve.notes)}
 
 
@@ -77,7 +77,7 @@ def _own_range(curve, run, error):
 
 
 def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float, width: float) -> dict[str, Any]:
-    """Return how far a Curve and a run are apart, and {quantity: [factor, zero]} that bring it into the run's units.
+    """Return how far a Curve and a run are apart, and {quantity: (factor, zero)} that bring it into the run's units.
 
     content: COLUMNS of a run, float32; stages: their names; force: w E, N/m; width: w, nm. `why`: what keeps them from
     being compared, and `path`: a kind of path whose runs can be.
@@ -93,12 +93,9 @@ def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float,
         return {"path": error.path}
     except ValueError as error:
         return {"why": f"{_own_range(curve, run, error)}, so it is drawn in its own range"}
-    scaled = [name for name, unit in curve.units.items() if unit == "N"]
-    units = {name: unit_in(unit, run) for name, unit in curve.units.items()}
-    set_to = {name: [units[name], 0.0] for name in curve.units}
-    set_to |= {name: [found.scale, found.zero] for name in scaled}
-    if found.shift:
-        set_to[curve.over] = [1.0, found.shift]
+    set_to = {name: (unit_in(unit, run), 0.0) for name, unit in curve.units.items()}
+    set_to |= {name: (found.scale, found.zero) for name, unit in curve.units.items() if unit == "N"}
+    set_to |= {curve.over: (1.0, found.shift)} if found.shift else {}
     at = [row[1] for row in found.rows]
     made = {"set": set_to, "outside": found.outside, "points": points, "rms": found.rms, "noise": found.noise}
     return made | {"units": found.units, "low": min(at), "high": max(at)}

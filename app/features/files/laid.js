@@ -8,12 +8,10 @@ import { enter } from "../../static/js/steer.js"
 import { frame, me, memory, redraw, sees, view } from "../../static/js/store.js"
 import { choose as chooseCurve, seeMore } from "../../static/js/view.js"
 
-const DRAWN = 150 // points at most: more of them hide the run
 const PARTS = { F: "forces", L: "forces", A: "area" } // the chart of a quantity
-const COLUMNS = ["stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"] // as comparing.COLUMNS
 const PAUSE = 400 // ms between two comparisons in a drag, whose predictions need the workers
 const BEYOND = 0.1 // of the points beyond the run, from which on the curve is drawn in its own range, too
-const AXES = { U_x: "Uₓ", delta: "δ", F: "F", L: "L", A: "A" }
+export const AXES = { U_x: "Uₓ", delta: "δ", F: "F", L: "L", A: "A" }
 const TIP = "A tip is three-dimensional, the model is plane strain: compare forces as ratios."
 const PREFIXES = [["", 1], ["m", 1e3], ["µ", 1e6], ["n", 1e9], ["p", 1e12]]
 const MISSING = { unload: "retraction", loop: "way back", shear: "shear" } // of a run, by the path that has it
@@ -25,10 +23,6 @@ export const lay = { again: null }
 
 const mainOf = ({ kind }) => (kind === "load" ? "L" : kind.startsWith("area") ? "A" : "F")
 const overForce = ({ over }) => over === "F" || over === "L"
-const thinned = (list) => {
-  const every = Math.ceil(list.length / DRAWN)
-  return list.filter((_, k) => k % every === 0)
-}
 
 // Points of a quantity in the units of the run, or of the file where the server has not compared them
 function pointsOf({ curve, apart }, name) {
@@ -55,7 +49,7 @@ function compare() {
   if (!laid || !run?.whole || laid.run === run || asked) return
   asked = run
   const { force, middle, stages } = run.head
-  const content = new Float32Array(COLUMNS.flatMap((name) => run.curves[name].map(Number))).buffer
+  const content = new Float32Array(laid.curve.columns.flatMap((name) => run.curves[name].map(Number))).buffer
   order("compare", { content, stages, force, width: 2 * middle })
 }
 
@@ -80,9 +74,9 @@ function draw() {
   const shown = {}
   for (const [of, chart] of Object.entries(PARTS)) {
     const there = laid?.apart?.set && laid.curve.segments[0][of] && belongs(run, laid)
-    const { x, y } = there ? pointsOf(laid, of) : { x: [], y: [] }
-    if (there) shown[of] = [y]
-    charts[chart].fill(`laid_${of}`, { x: thinned(x), y: thinned(y) })
+    const drawn = there ? pointsOf(laid, of) : none
+    if (there) shown[of] = [drawn.y]
+    charts[chart].fill(`laid_${of}`, drawn)
   }
   me.more = shown
   drawOwn(run)
@@ -107,7 +101,7 @@ function drawOwn(run) {
     const all = [...drawn[axis], ...computed[axis]], most = Math.max(...all.map(Math.abs))
     // numbers of newtons that an axis has room for
     const [prefix, times] = (unit === "N" && PREFIXES.find(([, size]) => most * size >= 1)) || ["", 1]
-    drawn[axis] = thinned(drawn[axis]).map((value) => times * value)
+    drawn[axis] = drawn[axis].map((value) => times * value)
     const high = times * Math.max(...all), low = times * Math.min(...all), room = 0.06 * (high - low || 1)
     chart[side] = `${AXES[name]} (${prefix}${unit})`
     chart.range(axis, { start: low - room, end: high + room })
