@@ -13,9 +13,8 @@ from ..surfaces import DataError
 from ..text import counted
 from .columns import Given, for_user, not_used
 from .content import Source
-from .force_curves import read_block
-from .measurement import Measurement
-from .recording import FEWEST, Recording, Segment, part_named, parts_of, sliding
+from .instruments import read_block
+from .measurement import FEWEST, Measurement, Recording, Segment, part_named, parts_of, sliding
 from .roles import KINDS, NEEDED, Roles
 from .tables import SHOWN, Block, left_out
 from .units import SIZES, parted

@@ -22,8 +22,7 @@ from ..scene import LIMITS, Scene
 from ..surfaces import DataError
 from ..text import counted
 from .comparison import Comparison, compared
-from .measurement import Measurement
-from .recording import Recording
+from .measurement import Measurement, Recording
 from .stroke_fit import Fit, alike, check_plausible, fit_of_stroke, uncertainty
 from .trial import NO_RUN, inside
 

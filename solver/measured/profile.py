@@ -10,8 +10,7 @@ from ..surfaces import PERIOD, DataError, Profile
 from ..text import counted
 from .columns import Given, asked, checked, for_user, given, not_used, recognised
 from .content import Source, content_of
-from .force_curves import is_force_curve
-from .instruments import is_instruments, read_line
+from .instruments import is_force_curve, is_instruments, read_line
 from .periodic import Points, made_periodic, reject_few
 from .tables import SHOWN, Block, Table, left_out, table_in
 from .units import LENGTH, agreed, allowed_of, is_unit, measure, mentioned, units_above
@@ -157,39 +156,42 @@ def _x_and_z(table, how):
     return of
 
 
-def _file_units(table, of):
-    """{"x", "z": unit or None} of two columns, in the heading and in lines above; two that differ are one unknown."""
-    above, units = units_above(table.above), dict.fromkeys("xz")
-    for role in (role for role in "xz" if of.get(role, role) is not None):
-        own = table.columns[of[role]].unit if role in of else None
-        differs = is_unit(own) and role in above and measure(own) != measure(above[role])
-        units[role] = f"{own} or {above[role]}" if differs else own or above.get(role)
-    return units
+def _units_of(table, of, how):
+    """{"x", "z": (unit that the file names, or None; that of an argument, or None)}.
 
-
-def _given_units(of, how):
-    """{"x", "z": unit} that arguments give; `unit` is none of rows that are counted."""
-    alone = {role: how.unit for role in "xz" if how.unit is not None and of.get(role, role) is not None}
-    return alone | dict(how.units)
+    The file's is in the heading or a line above: two that differ are one that is not known. Rows that are counted have
+    none, and `unit` is not theirs.
+    """
+    above, found = units_above(table.above), {}
+    for role in "xz":
+        counted = of.get(role, role) is None
+        own = table.columns[of[role]].unit if role in of and not counted else None
+        other = None if counted else above.get(role)
+        differs = is_unit(own) and other and measure(own) != measure(other)
+        file = f"{own} or {other}" if differs else own or other
+        found[role] = file, how.units.get(role, None if counted else how.unit)
+    return found
 
 
 def _asked(table, reason, of, how):
     """The DataError that asks for columns and units that are not known; a unit that is two is one of them."""
-    file = _file_units(table, of)
-    sure = {role: unit if is_unit(unit) else ... for role, unit in file.items() if is_unit(unit) or " or " in f"{unit}"}
-    return asked(table, reason, of, {"x": LENGTH, "z": LENGTH}, sure | _given_units(of, how))
+    known: dict[str, Any] = {}
+    for role, (unit, wanted) in _units_of(table, of, how).items():
+        if wanted or is_unit(unit) or " or " in f"{unit}":
+            known[role] = wanted or (unit if is_unit(unit) else ...)
+    return asked(table, reason, of, {"x": LENGTH, "z": LENGTH}, known)
 
 
 def _units(table, of, how):
     """({"x", "z": nm per unit} of two columns, how they are read). Raises DataError for an unknown one."""
-    own, sizes, read = _given_units(of, how), {}, []
-    for role, unit in _file_units(table, of).items():
-        told = f", where the file says {unit[:SHOWN]}" if role in own and unit and not is_unit(unit) else ""
-        read.append(f"{role} {'is read ' * (role == 'x')}as {own.get(role, unit)}{told}")
+    sizes, read = {}, []
+    for role, (unit, wanted) in _units_of(table, of, how).items():
+        told = f", where the file says {unit[:SHOWN]}" if wanted and unit and not is_unit(unit) else ""
+        read.append(f"{role} {'is read ' * (role == 'x')}as {wanted or unit}{told}")
         if role in how.units:
-            sizes[role], _ = agreed(own[role], unit, name=f"units[{role!r}]")
-        elif role in own:  # `unit` cannot say what 1 of one column is
-            sizes[role], _ = agreed(own[role], unit, role=role)
+            sizes[role], _ = agreed(wanted, unit, name=f"units[{role!r}]")
+        elif wanted:  # `unit` cannot say what 1 of one column is
+            sizes[role], _ = agreed(wanted, unit, role=role)
         elif is_unit(unit):
             sizes[role], _ = measure(unit)
         elif unit:

@@ -7,8 +7,7 @@ import pytest
 
 from solver import DataError, Scene, fit, read_measurement, simulate
 from solver.measured.loop_fit import POINTS, LoopModel
-from solver.measured.measurement import Measurement
-from solver.measured.recording import turns_of
+from solver.measured.measurement import Measurement, turns_of
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=8.0, du_x=0.2, du_z=0.5, E=30.0)
 NOISE = 0.01  # of the largest force

@@ -8,8 +8,7 @@ import numpy as np
 
 from solver import DataError
 from solver.measured.comparison import NoStage, compared, unit_in
-from solver.measured.measurement import Measurement
-from solver.measured.recording import Recording
+from solver.measured.measurement import Measurement, Recording
 from solver.run.frame import Stage
 
 LAID, COMPARED = 150, 5000  # points of a curve that the page draws: more hide the run; that are compared

@@ -13,8 +13,7 @@ from solver import DataError, Profile, Scene, read_profile
 from solver.measured import profile, roles
 from solver.measured.columns import recognised
 from solver.measured.curves import read_measurement
-from solver.measured.force_curves import is_force_curve, read_block
-from solver.measured.instruments import is_instruments
+from solver.measured.instruments import is_force_curve, is_instruments, read_block
 from solver.measured.periodic import proposed
 from solver.measured.tables import Block
 from solver.measured.units import LENGTH, named_unit, units_above, usual

@@ -46,7 +46,8 @@ def test_what_a_table_tells_is_filled_in_and_what_it_does_not_tell_is_asked():
     rows = text("Station,Piezo,Signal", U_X, 3.0 * U_X).replace(b"\n", b"\n7,", 31).replace(b"7,", b"7,", 1)
     seen, curve = look(Scene(), rows, Chosen())
     assert curve is None and seen["kind"] == "" and "kind of data" in seen["why"]
-    assert seen["table"]["names"] == ["Station", "Piezo", "Signal"] and seen["table"]["rows"] == 31
+    assert [column["name"] for column in seen["table"]["columns"]] == ["Station", "Piezo", "Signal"]
+    assert seen["table"]["rows"] == 31
     seen, curve = look(Scene(), rows, Chosen(kind="load"))
     assert curve is None and seen["columns"] == {"delta": 1} and "column of L" in seen["why"]
     chosen = {"kind": "load", "columns": {"delta": 1, "L": 2}}
