@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from itertools import groupby
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -108,8 +108,8 @@ class _Reader:
         """({quantity: (k,)} of complete rows in `units`, numbers of their lines (k,)). Raises DataError."""
         of, scaled = self.roles.of, self.roles.scaled
         values = np.column_stack([self.block.numbers(name, k) * scaled[name][0] for name, k in of.items()])
-        one = self.kind == "friction" and len(self.slides) == 1
-        meant = self.stages == self.slides[0] if one else np.ones(len(values), bool)
+        slides = self.slides if self.kind == "friction" else []
+        meant = np.isin(self.stages, slides) if slides else np.ones(len(values), bool)
         complete = np.isfinite(values).all(axis=1)
         self.notes += left_out(self.block.lines[meant & ~complete])
         rows = np.flatnonzero(meant & complete)
@@ -222,8 +222,6 @@ class _Reader:
 
     def _friction(self, lines, values):
         """Friction over U_x: one stroke, or a loop."""
-        if len(self.slides) == 1:
-            return self._stroke(values)
         parts = self._named(lines) or parts_of(values["U_x"], "forth", "back")
         strokes = [part for part in parts if part[0] != "hold"]
         if self.how.kind == "loop" or (len(strokes) > 1 and self.how.kind is None):
@@ -285,10 +283,5 @@ class _Reader:
         if unknown := [text for text in texts if part_named(text) is None]:
             self.notes.append(f"Not used: {self.table.columns[k].name} = {unknown[0][:SHOWN]!r}.")
             return None
-        parts, first = [], 0
-        for text, group in groupby(texts):
-            count = len(list(group))
-            if self.kind != "friction" or not self.slides or Stage(text).moves == "U_x":
-                parts.append((part_named(text), np.arange(first, first + count)))
-            first += count
-        return parts
+        changes = [j for j, pair in enumerate(pairwise(texts), 1) if pair[0] != pair[1]]
+        return [(part_named(texts[at[0]]), at) for at in np.split(np.arange(len(texts)), changes)]

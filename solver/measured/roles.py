@@ -38,14 +38,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
 }
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
-SURE = (  # kind, over one of, one of; the first that a heading names is meant
-    ("friction", ("U_x",), (*FORCES, "force")),
-    ("friction", ("displacement",), FORCES),
-    ("load", DEEP, (*LOADS, "force")),  # where no friction force is named
-    ("friction", ("time",), FORCES),
-    ("area", ("U_x", *FORCES, "force", *LOADS), AREAS),
-)
-MEANT = {  # the same where `kind` is given
+MEANT = {  # over one of, one of; the first that a heading names is meant
     "friction": (("U_x", "displacement", "time"), (*FORCES, "force")),
     "load": ((*DEEP, "displacement"), (*LOADS, "force")),
     "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
@@ -122,17 +115,18 @@ class Roles:
         kind = "friction" if self.how.kind == "loop" else self.how.kind
         known, named = self.known, self.named
         over = [role for role in ("U_x", "delta", "time") if self.given.get(role) is not None]
-        sides = [(kind, *MEANT[kind])] if kind else SURE
-        if self.how.speed is not None:
-            sides = (*sides, ("friction", ("time",), ("force",)))
-        if not kind and "displacement" in named and not {"U_x", "delta", *FORCES} & named:
-            sides = ()  # a machine's displacement and force may be those of a press
-        for found, across, values in sides:
+        along, timed = {"U_x", *FORCES} & named, {"time"} if self.how.speed is not None else set()
+        for found in (kind,) if kind else MEANT:
+            across, values = MEANT[found]
             x = [role for role in over or across if role in across and role in named]
             y = [role for role in values if role in named and not (x and known.get(role, -1) == known.get(x[0]))]
             if not (x and y) or (sliding is not None and sliding != (found == "friction")):
                 continue
-            if not kind and not over and sliding is None and found == "load" and {"U_x", *FORCES} & named:
+            if not kind and found == "friction" and y[0] == "force" and x[0] not in {"U_x", *timed}:
+                continue
+            if not kind and found != "friction" and "displacement" in x:  # a machine's may be that of a press
+                continue
+            if not kind and found == "load" and along and not over and sliding is None:
                 continue
             if x[0] not in known or y[0] not in known or self._rivals(x) or self._rivals([y[0], "force"]):
                 break

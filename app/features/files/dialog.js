@@ -10,7 +10,7 @@ import { AXES, lay, prepare } from "./laid.js"
 const PIECE = 2 ** 19, LARGEST = 20e6 // bytes
 const WIDE = 300, HIGH = 100, STEPS = 10_000 // of the drawing; of its handles
 const SIGNS = [["1", "1: as in the file"], ["-1", "−1: turned"]]
-const CHOOSE = ["", "choose …"], OTHER = "other", TEXTS = ["line", "spacing"]
+const CHOOSE = ["", "choose …"], OTHER = "other", TEXTS = ["line", "spacing", "unit"]
 const FIELDS = [...TEXTS, "speed", "deflection", "cut_off"]
 let file = null, turn = 0 // what is read; counts questions to the server, so that late answers are dropped
 let chosen = {}, seen = {} // fields of tasks.Chosen; what the server said last
@@ -100,11 +100,10 @@ const sentence = (text = "") =>
 
 // Everything that the server says about the file
 function show(given) {
-  seen = { channels: seen.channels, lengths: seen.lengths, ...given } // sent only by the refusal that asks
+  seen = { channels: seen.channels, ...given } // sent only by the refusal that asks
   by("file-sent").hidden = true
-  const { fields = {} } = seen, lengths = seen.lengths && Object.fromEntries(seen.lengths.map((unit) => [unit, unit]))
-  for (const [name, list, value] of [["kind", seen.kinds, seen.kind], ["channel", seen.channels, chosen.channel],
-    ["length", lengths, chosen.units?.x]]) {
+  const { fields = {} } = seen
+  for (const [name, list, value] of [["kind", seen.kinds, seen.kind], ["channel", seen.channels, chosen.channel]]) {
     fill(by(`file-${name}`), [CHOOSE, ...Object.entries(list ?? {})], value)
     by(`file-${name}`).parentNode.hidden = !list
   }
@@ -249,8 +248,6 @@ function connect() {
         onchange: ({ target }) => choose({ kind: target.value, columns: null, part: null, sign: null }) })),
       labelled("channel", make("select", { id: "file-channel",
         onchange: ({ target }) => choose({ channel: target.value || null, columns: null, part: null }) })),
-      labelled("unit of lengths", make("select", { id: "file-length",
-        onchange: ({ target }) => choose({ units: { x: target.value } }) })),
       ...FIELDS.map(entryOf)),
     make("div", { id: "file-rows", tabIndex: 0, role: "region", "aria-label": "First rows of the file", hidden: true }),
     make("figure", { id: "file-drawing", hidden: true, "aria-label": "The data in the file" },

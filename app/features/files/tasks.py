@@ -35,6 +35,7 @@ DRAWN = 400  # points of a drawing
 FAR = 60.0  # nm: of a longer load, which no run covers, the part from the contact on is proposed
 LEFT, STEADY = 6.0, 5  # scatters by which a load has left its line, for so many points
 LINE, CUT_OFF = {"line": "line of a map, such as row 12 or column 12"}, {"cut_off": "remove waves shorter than (nm)"}
+UNIT = {"unit": f"unit of lengths: {', '.join(UNITS['x'])}"}
 IN_WORDS = {  # how a refusal calls an argument: how the page calls it
     r"\bunits\['(\w+)'\]": r"the unit of \1",
     r"\bcolumns\['(\w+)'\]": r"the column of \1",
@@ -62,6 +63,7 @@ class Chosen:
     deflection: float | None = None
     line: str | None = None
     spacing: str | None = None
+    unit: str | None = None
 
 
 def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], Profile | Curve | None]:
@@ -74,8 +76,9 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
     try:
         with worker.bounded_memory(MEMORY):
             if is_instruments(content) and not is_force_curve(content):
-                seen |= {"kind": SURFACE, "kinds": {SURFACE: KINDS[SURFACE]}, "fields": LINE | CUT_OFF}
-                how = {"unit": chosen.units.get("x"), "channel": chosen.channel, "line": chosen.line}
+                seen |= {"kind": SURFACE, "kinds": {SURFACE: KINDS[SURFACE]}}
+                seen["fields"] = LINE | CUT_OFF | (UNIT if chosen.unit else {})
+                how = {"unit": chosen.unit, "channel": chosen.channel, "line": chosen.line}
                 return seen, _surface(scene, content, how, chosen, seen)
             return seen, _of_table(scene, read_block(content, NEEDED, chosen.channel), chosen, seen)
     except DataError as error:
@@ -83,7 +86,7 @@ def look(scene: Scene, content: bytes, chosen: Chosen) -> tuple[dict[str, Any], 
         remedy = f"; choose the kind {other!r}" if other and error.call["kind"] != seen["kind"] else ""
         seen |= {"why": f"{_without_table(error)}{remedy}", "cut_off": getattr(error, "cut_off", None)}
         seen |= {"channels": error.choices} if error.choices else {}
-        seen |= {"lengths": UNITS["x"]} if error.call.get("unit") is ... else {}
+        seen["fields"] |= UNIT if error.call.get("unit") is ... else {}
         seen["asked"] = list(error.call.get("sign", {}))
     except MemoryError:
         seen["why"] = "reading it takes too much memory; thin it out, or export it as CSV"
@@ -145,7 +148,7 @@ def _raw(block: Block, columns, kind):
     drawn = chosen if len(chosen) == 2 else numbers[:2]
     if len(drawn) < 2 or not {*drawn} <= {*numbers}:
         return None
-    return _drawn(*(block.cells[k] for k in drawn), "")
+    return _drawn(block.cells[drawn[0]], block.cells[drawn[1]], "")
 
 
 def _drawn(x, y, unit):
@@ -192,7 +195,7 @@ def _curve(scene, block, columns, chosen, seen):
         lever = read.lever if chosen.deflection is None else chosen.deflection
         seen["deflection"] = options["deflection"] = lever or None
         read = read_measurement(scene, block, **options)
-    main = "A" if read.kind.startswith("area") else next(iter(read.segments[0].values))
+    main = next(iter(read.segments[0].values))
     x, y = np.hstack([(each.x, each.values[main]) for each in read.segments])
     low, span, unit = float(x.min()), float(np.ptp(x)), read.units[read.over]
     part = chosen.part or _from_contact(read, x)
