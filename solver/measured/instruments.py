@@ -183,8 +183,6 @@ def _block(curves, index):
     # of other modes, numbers count segments: 1 is no retraction
     if "segment" in read and not (curve.modality == "force-distance" and np.ptp(read["segment"]) > 0):
         del read["segment"]
-    if "height (measured)" in read:
-        read = {name: column for name, column in read.items() if name not in ("height (piezo)", "tip position")}
     cells = list(read.values())
     columns = tuple(column_of(name, column_units.get(name) or None, own) for name, own in read.items())
     spring = curve.metadata.get("spring constant")

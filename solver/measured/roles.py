@@ -36,6 +36,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
+BESIDE_MEASURED = {"height": ("height", "heightmeasured"), "gap": NAMED["gap"][:-1]}  # the others are of the piezo
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 MEANT = {  # over one of, one of; the first that a heading names is meant
@@ -80,6 +81,8 @@ class Roles:
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
         self.table, self.how = table, how
         known, self.headings = recognised(table, NAMED)
+        if any(plain(column.name) == "heightmeasured" for column in table.columns):
+            known, _ = recognised(table, NAMED | BESIDE_MEASURED)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
         free = {role: k for role, k in known.items() if k not in self.given.values()}
@@ -159,7 +162,7 @@ class Roles:
         if not kind and "displacement" in known and {"force", *LOADS} & known.keys():
             reason = "a displacement and a force: along the surface (friction, loop) or into it (load)?"
             return DataError(f"{reason} {table}", table=table, call={"kind": ...})
-        if not kind and {"time", "force"} <= known.keys():
+        if not kind and {"time", "force"} <= known.keys() and not {*DEEP} & named:
             return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
         reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
