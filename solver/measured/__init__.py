@@ -7,12 +7,11 @@ units, headings                lengths, forces and times; names and units of col
 layout                         how lines are cut into cells
 tables                         the block of numbers, its columns, the lines above
 columns                        which column is what, by name or as given; else a refusal that shows the table
-smoothing, instruments         the Gaussian filter; surfaces in the files of instruments
-force_curves                   force curves in the files of microscopes
-profile, periodic              a surface: x and z, made periodic
+instruments                    surfaces and force curves in the files of instruments
+periodic, profile              a surface: x and z, made periodic
 noise, comparison              noise and slips of a curve; a curve beside that of a run
-recording, measurement         a curve in segments; one stroke of friction with its noise
-curves                         a curve: its kind, its segments, its units
+measurement                    one stroke of friction with its noise; any curve in segments
+roles, curves                  a curve: which column is what; its kind, its segments, its units
 trial, stroke_fit, loop_fit, fit
                                parameters of a scene from a curve
 """

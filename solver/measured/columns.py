@@ -18,22 +18,20 @@ def plain(name: str) -> str:
     return re.sub(r"[\W_]", "", name.lower())
 
 
-def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> tuple[dict[str, int], set[str]]:
-    """({role: index} of the roles that one column has by its name, roles that several have).
+def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> tuple[dict[str, int], list[str]]:
+    """({role: index} of the roles that one column has by its name, [the role of each column, or ""]).
 
-    words: {role: names in small letters}.
+    words: {role: names as of `plain`}.
     """
-    names = [plain(column.name) for column in table.columns]
-    found = {role: [k for k, name in enumerate(names) if name in known] for role, known in words.items()}
-    return {role: at[0] for role, at in found.items() if len(at) == 1}, {r for r, at in found.items() if len(at) > 1}
+    role_of = {word: role for role, names in words.items() for word in names}
+    roles = [role_of.get(plain(column.name), "") for column in table.columns]
+    return {role: k for k, role in enumerate(roles) if role and roles.count(role) == 1}, roles
 
 
 def given(table: Table, columns: Given | None, allowed: Sequence[str]) -> dict[str, int | None]:
     """{role: index} of the argument `columns`: {role: name, or number from 1 on, or None for none}."""
-    found: dict[str, int | None] = {}
-    for role, wanted in checked("columns", columns, allowed).items():
-        found[role] = None if wanted is None else _index(table, role, wanted)
-    return found
+    wanted = checked("columns", columns, allowed).items()
+    return {role: None if name is None else _index(table, role, name) for role, name in wanted}
 
 
 def checked(name: str, values: Mapping[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:
@@ -45,16 +43,12 @@ def checked(name: str, values: Mapping[str, Any] | None, allowed: Sequence[str])
 
 
 def _index(table, role, wanted):
-    if isinstance(wanted, str) and wanted.isdigit():
-        wanted = int(wanted)
-    if isinstance(wanted, int):
-        at = [wanted - 1] if 0 < wanted <= len(table.columns) else []
+    if str(wanted).isdigit():
+        at = [k for k in range(len(table.columns)) if k + 1 == int(wanted)]
     else:
         whole = str(wanted).strip().lower()
-        name, unit = parted(whole)
-        names = [column.name.lower() for column in table.columns]
-        own = [(column.unit or "").lower() for column in table.columns]
-        at = [k for k, each in enumerate(names) if each and (each == whole or (each, own[k]) == (name, unit))]
+        both = [(column.name.lower(), (column.unit or "").lower()) for column in table.columns]
+        at = [k for k, each in enumerate(both) if each[0] and (each[0] == whole or each == parted(whole))]
     if len(at) != 1:
         why = "is the name of several; give its number" if at else "is none of them; give a name or a number"
         raise DataError(f"columns[{role!r}] = {wanted!r} {why}; {table}", table=table, call={"columns": {role: ...}})
@@ -73,22 +67,22 @@ def asked(
     table: Table,
     reason: str,
     of: Mapping[str, int | None],
-    known: Mapping[str, Mapping[str, float]],
+    allowed: Mapping[str, tuple[str, ...]],
     units: Mapping[str, Any],
     **more: Any,
 ) -> DataError:
     """The DataError that shows a table and asks for the columns and units that are not known of some roles.
 
-    of: {role: index, or None for none} of what is known. known: {role: the units that it may have} of all.
+    of: {role: index, or None for none} of what is known. allowed: {role: units in which it may be read} of all.
     units: {role: unit} as given, or `...` for one that is not clear. more: other arguments of that call.
     """
-    columns = {role: called(table, of[role]) if role in of else ... for role in known}
+    columns = {role: called(table, of[role]) if role in of else ... for role in allowed}
     rest = [column.unit for k, column in enumerate(table.columns) if k not in of.values()]
     wanted: dict[str, Any] = {}
-    for role, allowed in known.items():
+    for role, known in allowed.items():
         k = of.get(role)
         own = rest if role not in of else [] if k is None else [table.columns[k].unit]
-        suited = [unit for unit in own if is_unit(unit, allowed)]
+        suited = [unit for unit in own if is_unit(unit, known)]
         if role in units or role in of or not suited:  # a column to come brings its own unit
             wanted[role] = units.get(role, suited[0] if suited else ...)
     both = {"columns": columns, "units": wanted}
@@ -112,9 +106,8 @@ def for_user(error: DataError, function: str, source: Any, options: Mapping[str,
         path = isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source)
         error.function = function + (json.dumps(str(source), ensure_ascii=False) if path else "source")
         own = {name: value for name, value in options.items() if value is not None and value != {}}
-        for name in ("columns", "units", "sign"):
-            if name in own and name in error.call:
-                unclear = {role: value for role, value in error.call[name].items() if value is ...}
-                error.call[name] = {**error.call[name], **own[name], **unclear}
+        for name in own.keys() & error.call.keys() & {"columns", "units", "sign"}:
+            unclear = {role: value for role, value in error.call[name].items() if value is ...}
+            error.call[name] = {**error.call[name], **own[name], **unclear}
         error.call = own | error.call
     return error

@@ -53,12 +53,10 @@ def _content(path):
     """The bytes of a file, at most one more than allowed."""
     shown = repr(str(path)[:LONGEST_NAME])
     try:
-        if not Path(path).is_file():  # a pipe or a device may never end
-            raise DataError(f"{shown} is not a file; name a CSV file, or give its lines")
-        with open(path, "rb") as file:
-            return file.read(MOST_BYTES + 1)
+        if Path(path).is_file():  # a pipe or a device may never end
+            with open(path, "rb") as file:
+                return file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as failure:  # ValueError: a null character in the name
-        if isinstance(failure, DataError):
-            raise
         reason = getattr(failure, "strerror", None) or failure
         raise DataError(f"{shown}: {reason}; name a CSV file that can be read") from None
+    raise DataError(f"{shown} is not a file; name a CSV file, or give its lines")

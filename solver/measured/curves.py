@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from itertools import groupby
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,14 +13,19 @@ from ..surfaces import DataError
 from ..text import counted
 from .columns import Given, for_user, not_used
 from .content import Source
-from .force_curves import read_block
-from .measurement import Measurement
-from .recording import FEWEST, Recording, Segment, part_named, parts_of, sliding
+from .instruments import read_block
+from .measurement import FEWEST, Measurement, Recording, Segment, part_named, parts_of, sliding
 from .roles import KINDS, NEEDED, Roles
-from .said import said_in, spring_in
-from .tables import SHOWN, Block, listed
+from .tables import SHOWN, Block, left_out
+from .units import SIZES, parted
 
 MOST_PULLS = 0.95  # of the points: a load that is negative at more is likely counted downwards
+SAID = re.compile(r'[#%{\s"]*([^\W\d][^\d:="]{1,60}?)"?\s*[:=]\s*"?((?:[^",]|,(?=\d)){1,60})')
+MOST_SAID = 100
+SPRING = re.compile(r"spring[ _-]?const|force[ _-]?constant|lever.*stiffn|stiffn.*lever", re.I)
+NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)(?![\d.])\s*(\S*)")
+SPRINGS = SIZES["N/m"] | {"nN/nm": 1.0, "pN/nm": 1e-3}  # units of its stiffness
+OF_LEVER = "above 0, N/m, of a load in N"
 PULL = "a pull (sign 1), or counted downwards (sign -1)?"
 DEPTH = " And does delta grow (1) or fall (-1) to contact?"
 
@@ -71,7 +76,9 @@ class _Reader:
 
     def __init__(self, scene, block, how):
         self.scene, self.block, self.how, self.table = scene, block, how, block.table
-        self.said = said_in(block.table.above)
+        found = (SAID.match(line) for line in block.table.above)
+        said = [(match[1].strip(), match[2].strip()) for match in found if match and match[2].strip()]
+        self.said = dict(said[:MOST_SAID])
         how.kind = how.kind or block.kind or None
         self.roles = Roles(block.table, how)
         self.stages = self._stages()
@@ -84,20 +91,27 @@ class _Reader:
         """The Measurement or Recording."""
         values, lines = self._values()
         values = self._turned(self._timed(values))
-        kept = self._part(values)
+        over = next(iter(values))
+        kept = self._part(over, values[over])
         lines, values = lines[kept], {name: column[kept] for name, column in values.items()}
-        return {"friction": self._friction, "load": self._load, "area": self._area}[self.kind](lines, values)
+        if self.kind == "friction":
+            return self._friction(lines, values)
+        if over == "delta":
+            parts = self._named(lines) or parts_of(values[over], "approach", "retract")
+            return self._recording("load", parts, values, self.roles.heading(over) != over)
+        if over == "U_x":
+            parts = self._named(lines) or parts_of(values[over], "forth", "back")
+            return self._recording("area over displacement", parts, values)
+        return self._recording(f"area over {'load' if over == 'L' else 'force'}", [("", slice(None))], values)
 
     def _values(self):
         """({quantity: (k,)} of complete rows in `units`, numbers of their lines (k,)). Raises DataError."""
         of, scaled = self.roles.of, self.roles.scaled
         values = np.column_stack([self.block.numbers(name, k) * scaled[name][0] for name, k in of.items()])
-        one = self.kind == "friction" and len(self.slides) == 1
-        meant = self.stages == self.slides[0] if one else np.ones(len(values), bool)
+        slides = self.slides if self.kind == "friction" else []
+        meant = np.isin(self.stages, slides) if slides else np.ones(len(values), bool)
         complete = np.isfinite(values).all(axis=1)
-        missing = self.block.lines[meant & ~complete].tolist()
-        count = counted(len(missing), "row")
-        self.notes += [f"{count} without all numbers left out (line {listed(missing)})."] * bool(missing)
+        self.notes += left_out(self.block.lines[meant & ~complete])
         rows = np.flatnonzero(meant & complete)
         if not rows.size:
             raise DataError(f"no row has numbers in all of {', '.join(of)}; needed: {NEEDED}")
@@ -106,6 +120,26 @@ class _Reader:
             self.notes += not_used(self.block, [*of.values(), *beside])
         self.notes += self.block.notes
         return dict(zip(of, values[rows].T, strict=True)), rows
+
+    def _timed(self, values):
+        """Quantities over U_x in place of time."""
+        speed = self.how.speed
+        if "time" not in values:
+            if speed is not None:
+                raise DataError(f"speed = {speed:g}: used with friction over time only; leave it out")
+            return values
+        time = values.pop("time")
+        if np.any(np.diff(time) < 0.0):
+            raise DataError("time goes back; keep one stroke, or sort the lines by time")
+        said = [f"{key} = {text}" for key, text in self.said.items() if re.search("speed|velocity|rate", key, re.I)]
+        if speed is None:
+            beside = f"; the file says {', '.join(said[:3])}" if said else ""
+            raise DataError(f"friction over time needs the speed in nm/s{beside}", call={"speed": ...})
+        if not 0.0 < speed < np.inf:
+            raise DataError(f"speed = {speed}; allowed: above 0, in nm/s; give a number in that range")
+        self.notes += [f"speed = {speed:g} nm/s as given; the file says {each}." for each in said]
+        self.units["U_x"] = "nm"
+        return {"U_x": speed * (time - time[0])} | values
 
     def _turned(self, values):
         """The quantities with their signs, without the deflection of the lever; asks for a sign that may be wrong."""
@@ -116,48 +150,56 @@ class _Reader:
             values[name] = by * values[name]
         if self.kind == "load":
             self._approaching(values, sign)
+            self._without_lever(values)
+        elif self.how.deflection is not None:
+            raise DataError(f"deflection = {self.how.deflection!r}: allowed: {OF_LEVER}; leave it out, or give units")
         elif "L" in values and "L" not in sign and self.stages is None and (values["L"] < 0.0).mean() > MOST_PULLS:
             raise self._asked_sign({"L": ...}, f"L is negative: {PULL}")
-        k, (stiffness, said) = self.how.deflection, self._lever()
-        if k is not None:
-            if self.kind == "load" and self.roles.heading("delta") == "gap":
-                raise DataError(f"deflection = {k!r}, but a separation has no lever in it; leave it out")
-            if self.kind != "load" or self.units["L"] != "N" or not k > 0.0:
-                allowed = "above 0, N/m, of a load in N"
-                raise DataError(f"deflection = {k!r}: allowed: {allowed}; leave it out, or give units")
-            values["delta"] = values["delta"] - 1e9 * values["L"] / k
-            whose = "as the file says" if k == stiffness else f"as given; the file says {said}"
-            self.notes += [f"deflection = {k:g} N/m, {whose}."] * bool(said)
-        elif said:
-            value = f"={stiffness:g}" if stiffness else ""
-            self.notes.append(f"The file says {said}: the lever is in delta; deflection{value} takes it off.")
         return values
-
-    def _lever(self):
-        """(stiffness, N/m, or None; how the file says it, or "") of a lever whose deflection may be in delta."""
-        if self.kind != "load" or self.units["L"] != "N" or self.roles.heading("delta") in ("delta", "gap"):
-            return None, ""
-        return spring_in(self.said)
 
     def _approaching(self, values, sign):
         """Gives delta the sign with which it grows as the surfaces approach; asks where it may be either."""
-        delta, L, role = values["delta"], values["L"], self.roles.role["delta"]
+        delta, L, role, own = values["delta"], values["L"], self.roles.role["delta"], self.roles.heading("delta")
         if role in ("height", "gap") and "delta" not in sign:
             delta = values["delta"] = -delta
-        far = delta[0]
         if role == "position" and "delta" not in sign:
             name = repr(self.table.columns[self.roles.of["delta"]].name[:SHOWN])
-            likely = -1 if delta[np.argmax(L)] < far else 1
+            likely = -1 if delta[np.argmax(L)] < delta[0] else 1
             raise self._asked_sign({"delta": likely}, f"does {name} grow (1) or fall (-1) to contact?")
         deep, edge = np.argsort(delta), max(1, delta.size // 20)
         falls = np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]])
-        own = self.roles.heading("delta")
         unsure = own not in ("delta", "height", "gap")
         if "L" not in sign and (falls or (unsure and -L.min() > L.max())):
             either = {} if own == "delta" or "delta" in sign else {"delta": ...}
             why = "falls as the surfaces approach" if falls else "is negative where it is largest"
-            reason = f"L {why}: {PULL}{DEPTH * bool(either)}"
-            raise self._asked_sign({"L": ...} | either, reason)
+            raise self._asked_sign({"L": ...} | either, f"L {why}: {PULL}{DEPTH * bool(either)}")
+
+    def _without_lever(self, values):
+        """Takes the deflection of a lever of given stiffness off delta, or notes the stiffness that the file says."""
+        k, (stiffness, said) = self.how.deflection, self._lever()
+        if k is None:
+            value = f"={stiffness:g}" if stiffness else ""
+            self.notes += [f"The file says {said}: the lever is in delta; deflection{value} takes it off."] * bool(said)
+            return
+        if self.roles.heading("delta") == "gap":
+            raise DataError(f"deflection = {k!r}, but a separation has no lever in it; leave it out")
+        if self.units["L"] != "N" or not k > 0.0:
+            raise DataError(f"deflection = {k!r}: allowed: {OF_LEVER}; leave it out, or give units")
+        values["delta"] = values["delta"] - 1e9 * values["L"] / k
+        whose = "as the file says" if k == stiffness else f"as given; the file says {said}"
+        self.notes += [f"deflection = {k:g} N/m, {whose}."] * bool(said)
+
+    def _lever(self):
+        """(stiffness, N/m, or None; how the file says it, or "") of a lever whose deflection may be in delta."""
+        unknown = ""
+        if self.kind == "load" and self.units["L"] == "N" and self.roles.heading("delta") not in ("delta", "gap"):
+            for name, text in self.said.items():
+                match = NUMBER.match(text) if SPRING.search(name) else None
+                unit = match and (match[2] or parted(name)[1] or "")
+                if unit in SPRINGS:
+                    return float(match[1]) * SPRINGS[unit], f"{name} = {text}"
+                unknown = unknown or (f"{name} = {text}" if match else "")
+        return None, unknown
 
     def _asked_sign(self, sign, reason):
         k, said = self._lever() if self.how.deflection is None else (None, "")
@@ -165,30 +207,25 @@ class _Reader:
         call = {"sign": sign} | ({"deflection": k} if k else {})
         return DataError(f"{reason}{beside} {self.table}", table=self.table, call=call)
 
-    def _part(self, values):
-        """Which points (k,) are in the part that is asked for."""
-        name = next(iter(values))
-        over = values[name]
+    def _part(self, name, x):
+        """Which points (k,) of x (k,) are in the part that is asked for."""
         if self.how.part is None:
             return slice(None)
         start, end = map(float, self.how.part)
-        inside = (over >= start) & (over <= end)
-        if inside.sum() < FEWEST:
-            found = f"{over.min():.6g} .. {over.max():.6g} {self.units[name]}"
-            raise DataError(
-                f"part = {self.how.part}: {counted(int(inside.sum()), 'point')} of {found}; give a part of that"
-            )
-        self.notes.append(f"{inside.sum()} of {over.size} points are used, from {start:g} to {end:g}.")
+        inside = (x >= start) & (x <= end)
+        count = int(inside.sum())
+        if count < FEWEST:
+            found = f"{counted(count, 'point')} of {x.min():.6g} .. {x.max():.6g} {self.units[name]}"
+            raise DataError(f"part = {self.how.part}: {found}; give a part of that")
+        self.notes.append(f"{count} of {x.size} points are used, from {start:g} to {end:g}.")
         return inside
 
     def _friction(self, lines, values):
         """Friction over U_x: one stroke, or a loop."""
-        if len(self.slides) == 1:
-            return self._stroke(values)
         parts = self._named(lines) or parts_of(values["U_x"], "forth", "back")
         strokes = [part for part in parts if part[0] != "hold"]
         if self.how.kind == "loop" or (len(strokes) > 1 and self.how.kind is None):
-            return self._recording("loop", "U_x", parts, values)
+            return self._recording("loop", parts, values)
         if len(strokes) > 1:
             raise DataError(f"U_x goes to and fro in {len(strokes)} strokes", call={"kind": "loop"})
         name, at = strokes[0]
@@ -199,20 +236,6 @@ class _Reader:
         self.notes += [f"a hold of {counted(held, 'point')} was left out."] * (held > 0)
         return self._stroke({key: column[at] for key, column in values.items()})
 
-    def _load(self, lines, values):
-        """Load over approach, and retraction."""
-        parts = self._named(lines) or parts_of(values["delta"], "approach", "retract")
-        return self._recording("load", "delta", parts, values, self.roles.heading("delta") != "delta")
-
-    def _area(self, lines, values):
-        """Area over U_x; or over a force: F, or L where there is no other."""
-        over = self.roles.over
-        if over == "U_x":
-            parts = self._named(lines) or parts_of(values["U_x"], "forth", "back")
-            return self._recording("area over displacement", over, parts, values)
-        parts = [("", np.arange(values["A"].size))]
-        return self._recording("area over load" if over == "L" else "area over force", over, parts, values)
-
     def _stroke(self, values):
         """A Measurement of one stroke; a Recording where the force is not in N/m."""
         back = int((np.diff(values["U_x"]) < 0.0).sum())
@@ -220,23 +243,23 @@ class _Reader:
             raise DataError("U_x goes to and fro; sort the lines by U_x")
         self.notes += [f"U_x goes back at {counted(back, 'point')}: put in order."] * (back > 0)
         order = np.argsort(values["U_x"], kind="stable")
-        values, U_x = {name: column[order] for name, column in values.items()}, values["U_x"][order]
+        values = {name: column[order] for name, column in values.items()}
         if not {self.units[name] for name in values} <= {"nm", "N/m", "w E", "w"}:
-            return self._recording("friction", "U_x", [("forth", np.arange(order.size))], values)
+            return self._recording("friction", [("forth", slice(None))], values)
         over = {"N/m": self.scene.width * self.scene.E, "nm": self.scene.width}
         bars = {f"{name}_bar": values[name] / over.get(self.units[name], 1.0) for name in "FLA" if name in values}
-        unit, width = over["N/m"] if self.units["F"] == "N/m" else None, self.scene.width
-        width = width if self.units.get("A") == "nm" else None
-        return Measurement.of(U_x, bars, None, unit, tuple(self.notes), width, self.said)
+        unit, width = (over[own] if self.units.get(name) == own else None for name, own in (("F", "N/m"), ("A", "nm")))
+        return Measurement.of(values["U_x"], bars, None, unit, tuple(self.notes), width, self.said)
 
-    def _recording(self, kind, over, parts, values, free=False):
-        """The Recording of parts of columns, over one of them."""
-        if values[over].size < FEWEST:
-            raise DataError(f"points: {values[over].size}; needed: {FEWEST} or more; measure more densely")
-        others = [name for name in values if name != over]
-        segments = [Segment(name, values[over][at], {key: values[key][at] for key in others}) for name, at in parts]
-        units = {name: self.units[name] for name in values}
-        return Recording(kind, tuple(segments), units, free, self.said, tuple(dict.fromkeys(self.notes)))
+    def _recording(self, kind, parts, values, free=False):
+        """The Recording of parts of columns, over the first of them."""
+        (over, x), *others = values.items()
+        if x.size < FEWEST:
+            raise DataError(f"points: {x.size}; needed: {FEWEST} or more; measure more densely")
+        segments = tuple(Segment(name, x[at], {key: y[at] for key, y in others}) for name, at in parts)
+        lever = self._lever()[0] if self.roles.heading(over) in ("height", "position") else None
+        units, notes = {name: self.units[name] for name in values}, tuple(dict.fromkeys(self.notes))
+        return Recording(kind, segments, units, free, self.said, notes, lever)
 
     def _stages(self):
         """The column `stage`, as a run writes it; None without one. Raises DataError for one of other words."""
@@ -256,38 +279,9 @@ class _Reader:
         k = self.roles.known.get("stage", self.roles.known.get("segment"))
         if k is None:
             return None
-        cells = self.block.cells[k][lines]
-        texts = [each if isinstance(each, str) else f"{each:g}" for each in cells]
+        texts = [each if isinstance(each, str) else f"{each:g}" for each in self.block.cells[k][lines]]
         if unknown := [text for text in texts if part_named(text) is None]:
             self.notes.append(f"Not used: {self.table.columns[k].name} = {unknown[0][:SHOWN]!r}.")
             return None
-        parts, first = [], 0
-        for text, group in groupby(texts):
-            count = len(list(group))
-            if self.kind != "friction" or not self.slides or Stage(text).moves == "U_x":
-                parts.append((part_named(text), np.arange(first, first + count)))
-            first += count
-        return parts
-
-    def _timed(self, values):
-        """Quantities over U_x in place of time."""
-        if "time" not in values:
-            if self.how.speed is not None:
-                raise DataError(f"speed = {self.how.speed:g}: used with friction over time only; leave it out")
-            return values
-        time = values.pop("time")
-        if np.any(np.diff(time) < 0.0):
-            raise DataError("time goes back; keep one stroke, or sort the lines by time")
-        self.units["U_x"] = "nm"
-        return {"U_x": self._speed() * (time - time[0])} | values
-
-    def _speed(self):
-        """nm/s, as given; raises DataError with what the file says of it."""
-        said = [f"{key} = {text}" for key, text in self.said.items() if re.search("speed|velocity|rate", key, re.I)]
-        if self.how.speed is None:
-            beside = f"; the file says {', '.join(said[:3])}" if said else ""
-            raise DataError(f"friction over time needs the speed in nm/s{beside}", call={"speed": ...})
-        if not 0.0 < self.how.speed < np.inf:
-            raise DataError(f"speed = {self.how.speed}; allowed: above 0, in nm/s; give a number in that range")
-        self.notes += [f"speed = {self.how.speed:g} nm/s as given; the file says {each}." for each in said]
-        return self.how.speed
+        changes = [j for j, pair in enumerate(pairwise(texts), 1) if pair[0] != pair[1]]
+        return [(part_named(texts[at[0]]), at) for at in np.split(np.arange(len(texts)), changes)]

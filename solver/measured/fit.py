@@ -8,8 +8,7 @@ from ..scene import Scene
 from .content import Source
 from .curves import read_measurement
 from .loop_fit import fit_of_loop
-from .measurement import Measurement
-from .recording import Recording
+from .measurement import Measurement, Recording
 from .stroke_fit import Fit, fit_of_stroke
 from .trial import AXES
 

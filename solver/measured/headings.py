@@ -11,6 +11,14 @@ COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
 BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
 
 
+def labelled(lines: Sequence[str]) -> dict[int, str]:
+    """{index: the segment that a line of a file labels, or "" where tables of other columns are no segments of one}."""
+    marks = [(k, match[1].lower(), match[2].strip()) for k, line in enumerate(lines)
+             if line[:1] == "#" and (match := LABEL.match(line))]  # fmt: skip
+    same = len({text for _, label, text in marks if label == "columns"}) <= 1
+    return {k: text * same for k, label, text in marks if label == "segment"}
+
+
 def heading_of(above: Sequence[str], separator: str, sizes: tuple[int, int]) -> tuple[list[str | None], list[str]]:
     """([units or None], [names]) of the columns: what the file labels so, or the lines above the first row."""
     labels = {match[1].lower(): match[2] for line in above if (match := LABEL.match(line))}

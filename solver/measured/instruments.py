@@ -1,19 +1,23 @@
-"""Surfaces in the files of instruments, read by the package SurfaceTopography: one line of each, in nm.
+"""Files of instruments: one line of a surface, read by SurfaceTopography, and force curves, read by afmformats.
 
-That package is imported only for a file that is no text. It needs `pip install "mixed-mode-contact[instruments]"`.
+Both packages are imported only for such a file, and need `pip install "mixed-mode-contact[instruments]"`.
 """
 
+import logging
 import re
 import warnings
 from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
-from .tables import index_of
-from .units import agreed, factor, is_unit
+from .content import Source, content_of
+from .tables import FIRST, Block, Table, column_of, index_of, table_in
+from .units import agreed, is_unit, measure
 
 INSTALL = 'this file needs a reader of instruments: pip install "mixed-mode-contact[instruments]"'
 BEGIN = 500  # characters that have the known beginning of a text
@@ -24,6 +28,15 @@ UNREAD = (  # what a file is that the library cannot read: a test of its content
     (lambda raw: raw[:12] == b"DSCOMPRESSED", "a compressed SUR; save it without compression"),
 )
 LINE = re.compile(r"(row|column) (\d{1,6})")
+FORMATS = {  # what the beginning and words of a file tell: how the name of such a file ends
+    ".jpk-force": (b"PK", b"segments/", b"header.properties"),
+    ".h5": (b"\x89HDF", b"imaging mode"),
+    ".ibw": (b"\5\0", b"SpringConstant", b"Defl"),
+}
+THIRD = 140  # place of the third size in an Igor wave: an image has channels there, a curve has 0
+ANOTHER = (
+    "this is no table in text, and no force curve of a known format; export it as CSV; read_profile reads surfaces"
+)
 
 
 def is_instruments(content: str | bytes) -> bool:
@@ -49,7 +62,7 @@ def read_line(
     if unit is None and not is_unit(found):
         names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
         raise DataError(f"the file names {names}, as in unit='{'1 ' * bool(found)}um'", call={"unit": ...})
-    nm = factor(found) if unit is None else agreed(unit, found)
+    nm, _ = measure(found) if unit is None else agreed(unit, found)
     heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
     heights[np.abs(heights) > MISSING] = np.nan
     sizes, z, where = surface.physical_sizes, heights, "line"
@@ -76,21 +89,17 @@ def _opened(content: bytes, channel: str | int | None) -> tuple[Any, str]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             reader = open_topography(BytesIO(content))
-            return reader.topography(channel_index=_channel(reader, channel)), type(reader).__name__
+            names = [one.name or f"channel {k}" for k, one in enumerate(reader.channels, 1)]
+            if not names:
+                raise DataError("the file holds no heights; export it as CSV of x and z")
+            index = index_of(names, channel, f"{len(names)} channels")
+            return reader.topography(channel_index=index), type(reader).__name__
     except DataError:
         raise
     except Exception as error:  # each of some fifty readers raises errors of its own
-        what = "no known file of an instrument"
-        what = "an archive without a known file; unpack it" if content[:2] == b"PK" else what
+        archive = content[:2] == b"PK"
+        what = "an archive without a known file; unpack it" if archive else "no known file of an instrument"
         raise DataError(f"{what} ({type(error).__name__}); export it as CSV of x and z") from None
-
-
-def _channel(reader: Any, wanted: str | int | None) -> int:
-    """The index of a channel, by its name or number; of several one is asked for."""
-    names = [channel.name or f"channel {k}" for k, channel in enumerate(reader.channels, 1)]
-    if not names:
-        raise DataError("the file holds no heights; export it as CSV of x and z")
-    return index_of(names, wanted, "channels")
 
 
 def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:
@@ -107,3 +116,78 @@ def _of_map(heights: Any, sizes: Any, line: str | None) -> tuple[str, Any, Any]:
         raise DataError(f"line = {line!r}: allowed: row 0 .. {rows - 1} or column 0 .. {columns - 1}; write 'row 0'")
     k = int(match[2])
     return line, heights[k] if axis == 0 else heights[:, k], sizes[1 - axis :][:1]
+
+
+def read_block(source: Source, needed: str, channel: str | int | None = None) -> Block:
+    """The Block of a force curve, or of a table in text as `table_in` finds it; raises DataError."""
+    content = content_of(source)
+    if is_force_curve(content):
+        return _of_microscope(content, channel)
+    if is_instruments(content):
+        raise DataError(ANOTHER)
+    return table_in(content, needed, channel)
+
+
+def is_force_curve(content: str | bytes) -> bool:
+    """Whether a file holds force curves in one of FORMATS."""
+    return isinstance(content, bytes) and bool(_ending(content))
+
+
+def _ending(content):
+    """How the name of a file of force curves ends; "" for another file."""
+    for ending, (beginning, *words) in FORMATS.items():
+        if content.startswith(beginning) and all(word in content for word in words):
+            third = int.from_bytes(content[THIRD : THIRD + 4], "little", signed=True)  # 0 of a file that is cut off
+            return "" if ending == ".ibw" and third > 0 else ending
+    return ""
+
+
+def _of_microscope(content, channel):
+    """The Block of one of the curves in a file; raises DataError."""
+    try:
+        import afmformats
+        from afmformats.errors import AFMFileFormatError, MissingMetaDataError
+        from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
+        from afmformats.meta import MetaDataMissingError
+    except ImportError:
+        raise DataError(INSTALL) from None
+    ArchiveCache.max_archives = 1  # else the files of 32 visitors stay open
+    logging.getLogger("afmformats").setLevel(logging.CRITICAL)  # a file that cannot be read is no error of the server
+    with TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        path = Path(folder) / f"curve{_ending(content)}"
+        path.write_bytes(content)
+        try:
+            curves = afmformats.load_data(path)
+            names = [f"curve {k}" for k in range(1, len(curves) + 1)]
+            return _block(curves, index_of(names, channel, f"{len(names)} force curves"))
+        except DataError:
+            raise
+        except (Exception, AFMFileFormatError, MissingMetaDataError, MetaDataMissingError) as error:  # three are none
+            reason = " ".join(f"{error}".split())[:120] or type(error).__name__
+            if isinstance(error, MissingMetaDataError):  # of what makes newtons of volts
+                why = 'export columns of it as text, and say what 1 V is, as in units={"L": "500 nN"}'
+                raise DataError(f"no force in N can be read ({reason}); {why}") from None
+            why = "export its columns as text"
+            raise DataError(f"this file of force curves cannot be read ({reason}); {why}") from None
+
+
+def _block(curves, index):
+    """A curve as a Block, in N and m; raises DataError for one without points."""
+    from afmformats.afm_data import column_units
+
+    curve = curves[index]
+    read = {name: np.asarray(curve[name], np.float64) for name in curve.columns}
+    if not read or not min(column.size for column in read.values()):
+        raise DataError(f"force curve {index + 1} of {len(curves)} has no points; choose another curve or file")
+    # of other modes, numbers count segments: 1 is no retraction
+    if "segment" in read and not (curve.modality == "force-distance" and np.ptp(read["segment"]) > 0):
+        del read["segment"]
+    cells = list(read.values())
+    columns = tuple(column_of(name, column_units.get(name) or None, own) for name, own in read.items())
+    spring = curve.metadata.get("spring constant")
+    above = (f"spring constant: {spring:.6g} N/m",) if spring else ()
+    first = tuple(tuple(f"{own[k]:.6g}" for own in cells) for k in range(min(FIRST, cells[0].size)))
+    notes = (f"Force curve {index + 1} of {len(curves)}.",) if len(curves) > 1 else ()
+    table = Table(columns, first, above, cells[0].size)
+    return Block(table, cells, np.arange(1, cells[0].size + 1), notes, "load")

@@ -9,21 +9,19 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from time import thread_time
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..continuation.state import OutOfTime
-from ..run.frame import Frame
 from ..run.loadpath import load_path
 from ..scene import LIMITS, Scene
 from ..surfaces import DataError
 from ..text import counted
 from .comparison import Comparison, compared
-from .measurement import Measurement
-from .recording import Recording
+from .measurement import Measurement, Recording
 from .stroke_fit import Fit, alike, check_plausible, fit_of_stroke, uncertainty
 from .trial import NO_RUN, inside
 
@@ -34,14 +32,6 @@ TRIALS = 12  # of the search with one mean
 CALM = 0.9  # of the points: so many must lie within five deviations; the others are beside slips
 NO_LOOP = "the best loop does not fit; check units and noise, free other parameters, or vary the start"
 MOST = 17  # segments: a path has 20 points, three of which are the approach and the first pull
-
-
-class Ran(NamedTuple):
-    """A run of a scene, as forces in N/m are compared with: those over F_s would need the first slip."""
-
-    scene: Scene
-    frames: list[Frame]
-    first_slip: None = None
 
 
 @dataclass(eq=False)
@@ -122,7 +112,9 @@ def comparison_at(
     begun, found = thread_time(), None
     scene = looped(scene.changed(**dict(zip(free, x, strict=True))), measured)
     with suppress(OutOfTime):
-        found = compared(measured, Ran(scene, list(load_path(scene, limit=limit))))
+        frames = list(load_path(scene, limit=limit))
+        # forces in N/m are compared; those over F_s would need the first slip
+        found = compared(measured, SimpleNamespace(scene=scene, frames=frames, first_slip=None))
     return found, thread_time() - begun
 
 

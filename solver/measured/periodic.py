@@ -1,4 +1,9 @@
-"""Points of a measured profile made periodic: its part, its filter, its mean line, its ends; slopes are to be small."""
+"""Points of a measured profile made periodic: its part, its filter, its mean line, its ends; slopes are to be small.
+
+The filter is the Gaussian one. Its weight at a distance x is exp(-pi (x / (alpha c))^2), with alpha^2 = ln 2 / pi and
+the cut-off c: a wave of that length keeps half of its amplitude. At the ends the weights within it are normalised.
+Source: ISO 16610-21:2011, Geometrical product specifications, Filtration, Linear profile filters: Gaussian filters.
+"""
 
 from contextlib import suppress
 from typing import NamedTuple
@@ -9,8 +14,8 @@ from numpy.typing import NDArray
 from ..scene import LIMITS
 from ..surfaces import EVEN, FEWEST_POINTS, LENGTHS, STEEPEST, DataError, Profile, averaged
 from ..text import counted
-from .smoothing import least_cut_off, smoothed
 
+Floats = NDArray[np.float64]
 LONG = 20_000.0  # nm: a longer profile has nodes too far apart at any number of nodes that is computed soon
 PART = 2_000.0  # nm
 LOWEST = 0.01  # nm, rms of heights: no instrument measures less
@@ -18,19 +23,15 @@ SAME = 1e-6  # of peak to valley: ends that differ by less are one point, printe
 SMOOTH = 0.2  # of peak to valley: largest second difference of a profile whose period shows; 15 points a wave have 0.09
 MOST_POINTS = int(LIMITS["nodes"].high)  # kept; there are never more nodes
 REACH = 0.05  # of the length, at each end, over which a step between the ends is spread
+ALPHA = (np.log(2.0) / np.pi) ** 0.5
 
 
 class Points(NamedTuple):
     """Points of a profile, (n,) each: the number of their line in the file, x and z in nm."""
 
     line: NDArray[np.int64]
-    x: NDArray[np.float64]
-    z: NDArray[np.float64]
-
-    @property
-    def last(self) -> int | None:
-        """The line of the last point; None without any."""
-        return int(self.line[-1]) if self.line.size else None
+    x: Floats
+    z: Floats
 
     @property
     def length(self) -> float:
@@ -43,10 +44,21 @@ class Points(NamedTuple):
         return self.length / (self.x.size - 1)
 
     @property
-    def centred(self) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-        """(x, z) less their means, and the slope of the line of least squares."""
+    def even(self) -> bool:
+        """Whether the points are at equal distances."""
+        gaps = np.diff(self.x)
+        return bool(np.ptp(gaps) <= EVEN * gaps.mean())
+
+    @property
+    def levelled(self) -> tuple[Floats, float]:
+        """(heights above the line of least squares (n,), its slope)."""
         x, z = self.x - self.x.mean(), self.z - self.z.mean()
-        return x, z, float(x @ z / (x @ x))
+        tilt = float(x @ z / (x @ x))
+        return z - tilt * x, tilt
+
+    def refused(self, reason: str) -> DataError:
+        """The DataError that names the line of the last point."""
+        return DataError(reason, int(self.line[-1]) if self.line.size else None)
 
 
 class SteepError(DataError):
@@ -67,6 +79,7 @@ def made_periodic(
 
     Raises DataError; a SteepError names a cut-off with which the profile is read to its end.
     """
+    reject_few(points)
     points, cut = _cut(points, width, part)
     try:
         return _made(points, periodic, width, cut_off, [*notes, *cut])
@@ -80,7 +93,14 @@ def _made(points, periodic, width, cut_off, notes):
     period = _period(points, periodic)
     length = period or (points.length if width is None else float(width))
     _reject_unlikely(points, length)
-    points, done = _one_period(points, period, cut_off)
+    points = _closed(points, period)
+    points, done = (points, []) if cut_off is None else _filtered(points, cut_off, bool(period))
+    if period:
+        _reject_steep(points)
+        done.append(f"The ends meet: read as one period of {period:.6g} nm; nothing was removed or joined.")
+    else:
+        points, joined = _joined(points)
+        done += joined
     z, resampled = _at_equal_distances(points)
     start = int(np.argmin(z))
     shift = f"Shifted by {start * length / z.size:.4g} nm: the deepest valley lies at the ends of the cell"
@@ -88,23 +108,10 @@ def _made(points, periodic, width, cut_off, notes):
     return Profile(length, np.roll(z, -start), (*notes, *done, *resampled, shift))
 
 
-def _one_period(points, period, cut_off):
-    """(Points filtered, and of one period: as they are, or levelled and with their ends joined; [notes])."""
-    if period:
-        points = _closed(points, period)
-    points, notes = (points, []) if cut_off is None else _filtered(points, cut_off, bool(period))
-    if period:
-        _reject_steep(points)
-        return points, [*notes, f"The ends meet: read as one period of {period:.6g} nm; nothing was removed or joined."]
-    points, tilt = _levelled(points)
-    points, step = _joined(points)
-    return points, [*notes, tilt, step]
-
-
 def _with_cut_off(error, points, periodic, width):
     """The SteepError with the least cut-off, to two digits, with which the profile is read to its end."""
     period = _period(points, periodic)
-    spacing, z = _even(_closed(points, period) if period else points)
+    spacing, z = _even(_closed(points, period))
     most = float(f"{0.499 * points.length:.4g}")
     cut_off, last = least_cut_off(z[:-1] if period else z, spacing, STEEPEST, bool(period)) or most, None
     while cut_off != last:
@@ -121,41 +128,44 @@ def _with_cut_off(error, points, periodic, width):
 def reject_few(points: Points) -> None:
     """Raises DataError for fewer than FEWEST_POINTS."""
     if points.x.size < FEWEST_POINTS:
-        raise DataError(f"only {counted(points.x.size, 'point')}, at least {FEWEST_POINTS} are needed", points.last)
+        raise points.refused(f"only {counted(points.x.size, 'point')}, at least {FEWEST_POINTS} are needed")
 
 
 def _reject_unlikely(points, length):
     """Raises DataError for a length, nm, and for heights without their tilt, that a wrong unit makes."""
     low, high = LENGTHS
     if not low <= length <= high:
-        reason = f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm"
-        raise DataError(reason, points.last)
-    x, z, tilt = points.centred
-    rms, most = float((z - tilt * x).std()), 0.1 * points.length
+        raise points.refused(f"the profile is {length:.4g} nm long, allowed: {low:g} .. {high:g} nm")
+    rms, most = float(points.levelled[0].std()), 0.1 * points.length
     if not LOWEST <= rms <= most:
         allowed = f"allowed: {LOWEST:g} .. {most:.4g} nm, a tenth of the length"
-        raise DataError(f"the heights have an rms of {rms:.3g} nm, {allowed}; check the units of x and z", points.last)
+        raise points.refused(f"the heights have an rms of {rms:.3g} nm, {allowed}; check the units of x and z")
 
 
 def _cut(points, width, part):
-    """(the part of the Points that is used, [note])."""
+    """(the part of the Points that is used, its ends interpolated; [note])."""
+    length = points.length
     if part is not None:
         start, end = map(float, part)
-        if width is not None or not 0.0 <= start < end <= points.length * (1.0 + EVEN):
-            reason = f"part = {part}: allowed: from 0 to {points.length:.6g} nm, ascending, without width"
+        if width is not None or not 0.0 <= start < end <= length * (1.0 + EVEN):
+            reason = f"part = {part}: allowed: from 0 to {length:.6g} nm, ascending, without width"
             raise DataError(f"{reason}; give such a part")
-        return _between(points, start, end), [f"Of {points.length:.6g} nm those from {start:g} to {end:g} nm are used."]
-    if width is not None:
-        return _middle(points, float(width))
-    start, end = proposed(points)
-    if end - start >= points.length:
+        note = f"Of {length:.6g} nm those from {start:g} to {end:g} nm are used."
+    elif width is not None:
+        if not (width > 0.0 and width <= (1.0 + EVEN) * length):  # nan fails it too
+            reason = f"the profile is {length:.6g} nm long, the width asked for is {float(width):g} nm"
+            raise points.refused(f"{reason}; allowed: above 0 to that length; set such a width")
+        start, end = 0.5 * (length - width), 0.5 * (length + width)
+        note = f"Of {length:.6g} nm the {float(width):g} nm in the middle are used."
+    else:
+        start, end = proposed(points)
+        if end - start > LONG:
+            raise _too_far_apart(points, (round(start), int(end)))
+        why = f"all of it would give nodes at least {length / MOST_POINTS:.3g} nm apart, which is the lattice period"
+        note = f"Of {length:.6g} nm the {end - start:g} nm in the middle are used: {why}; choose another by part."
+    if part is None and end - start >= (1.0 - EVEN) * length:
         return points, []
-    if end - start > LONG:
-        raise _too_far_apart(points, (round(start), int(end)))
-    spacing = points.length / MOST_POINTS
-    why = f"all of it would give nodes at least {spacing:.3g} nm apart, which is the lattice period"
-    used = f"Of {points.length:.6g} nm the {end - start:g} nm in the middle are used"
-    return _between(points, start, end), [f"{used}: {why}; choose another by part."]
+    return _between(points, start, end), [note]
 
 
 def proposed(points: Points) -> tuple[float, float]:
@@ -175,18 +185,6 @@ def _too_far_apart(points, part):
     return DataError(f"{why}; {remedy}", call={"part": part})
 
 
-def _middle(points, width):
-    """(the middle part of that width, its ends interpolated; [note]), or all where it is no longer."""
-    spare = points.length - width
-    if not (width > 0.0 and spare >= -EVEN * points.length):  # nan fails it too
-        reason = f"the profile is {points.length:.6g} nm long, the width asked for is {width:g} nm"
-        raise DataError(f"{reason}; allowed: above 0 to that length; set such a width", points.last)
-    if spare <= EVEN * points.length:
-        return points, []
-    note = f"Of {points.length:.6g} nm the {width:g} nm in the middle are used."
-    return _between(points, 0.5 * spare, points.length - 0.5 * spare), [note]
-
-
 def _between(points, start, end):
     """The Points from start to end, nm from the first one; the ends are interpolated."""
     line, x, z = points
@@ -197,16 +195,9 @@ def _between(points, start, end):
     return Points(line[part], within, heights)
 
 
-def _is_even(x):
-    """Whether points are at equal distances."""
-    gaps = np.diff(x)
-    return bool(np.ptp(gaps) <= EVEN * gaps.mean())
-
-
 def _period(points, periodic):
     """The length of the period that the points are, nm; None where they are none."""
-    _, x, z = points
-    even, height = _is_even(x), float(np.ptp(z))
+    z, even, height = points.z, points.even, float(np.ptp(points.z))
     step = abs(float(z[-1] - z[0]))
     repeats = step <= SAME * height
     if periodic and not (repeats or even):
@@ -221,22 +212,11 @@ def _period(points, periodic):
 
 
 def _closed(points, period):
-    """Points of one period, whose last one repeats the first."""
+    """The Points; of a period the last one repeats the first."""
     line, x, z = points
-    if period > points.length:
+    if period and period > points.length:
         return Points(np.append(line, line[-1]), np.append(x, x[0] + period), np.append(z, z[0]))
     return points
-
-
-def _levelled(points):
-    """(Points with heights above the mean line of least squares, note); rejects slopes that are not small."""
-    x, z, tilt = points.centred
-    if abs(tilt) > STEEPEST:
-        reason = f"the profile as a whole is tilted by {tilt:.3g}, allowed: up to {STEEPEST:g}; level it first"
-        raise DataError(reason, points.last)
-    levelled = points._replace(z=z - tilt * x)
-    _reject_steep(levelled)
-    return levelled, f"A tilt of {tilt:.3g} was removed (line of least squares)."
 
 
 def _even(points):
@@ -257,6 +237,30 @@ def _filtered(points, cut_off, periodic):
     return Points(points.line, x, found), [f"{note} {found.std():.4g} nm."]
 
 
+def smoothed(z: Floats, spacing: float, cut_off: float, periodic: bool = False) -> Floats:
+    """Heights z (n,) at distances of `spacing`, filtered; cut_off and spacing in one unit."""
+    from scipy.ndimage import gaussian_filter1d  # a tenth of the time that importing `solver` takes
+
+    sigma = ALPHA * cut_off / (2.0 * np.pi) ** 0.5 / spacing
+    if periodic:
+        return gaussian_filter1d(z, sigma, mode="wrap", truncate=6.0)
+    weights = gaussian_filter1d(np.ones_like(z), sigma, mode="constant", truncate=6.0)
+    return gaussian_filter1d(z, sigma, mode="constant", truncate=6.0) / weights
+
+
+def least_cut_off(z: Floats, spacing: float, steepest: float, periodic: bool = False) -> float | None:
+    """The cut-off, to a tenth of it, from which no slope of the heights z (n,) exceeds `steepest`; None: at none.
+
+    Cut-offs up to half of the length are tried.
+    """
+    cut_off = 2.0 * spacing
+    while cut_off < 0.5 * z.size * spacing:
+        if np.abs(np.diff(smoothed(z, spacing, cut_off, periodic))).max() <= steepest * spacing:
+            return float(cut_off)
+        cut_off *= 1.1
+    return None
+
+
 def _reject_steep(points, why=""):
     """Raises SteepError at the first slope beyond STEEPEST; why: what made it."""
     slopes = np.abs(np.diff(points.z) / np.diff(points.x))
@@ -267,20 +271,28 @@ def _reject_steep(points, why=""):
 
 
 def _joined(points):
-    """(Points with ends of one height, note): the step is spread over REACH at each end, as a cosine."""
-    _, x, z = points
+    """(Points less their mean line, with ends of one height; [notes]); rejects slopes that are not small.
+
+    The step between the ends is spread over REACH at each end, as a cosine.
+    """
+    z, tilt = points.levelled
+    if abs(tilt) > STEEPEST:
+        allowed = f"allowed: up to {STEEPEST:g}; level it first"
+        raise points.refused(f"the profile as a whole is tilted by {tilt:.3g}, {allowed}")
+    _reject_steep(points._replace(z=z))
     step, reach = float(z[-1] - z[0]), REACH * points.length
-    start, end = (np.clip(distance / reach, 0.0, 1.0) for distance in (x - x[0], x[-1] - x))
+    start, end = (np.clip(far / reach, 0.0, 1.0) for far in (points.x - points.x[0], points.x[-1] - points.x))
     joined = points._replace(z=z + 0.25 * step * (np.cos(np.pi * start) - np.cos(np.pi * end)))
     apart, over = f"{abs(step):.4g} nm apart", f"joined over {reach:.4g} nm at each end"
     _reject_steep(joined, why=f"its ends, {apart}, {over}: ")
-    return joined, f"The ends, {apart}, were {over} (a cosine)."
+    removed = f"A tilt of {tilt:.3g} was removed (line of least squares)."
+    return joined, [removed, f"The ends, {apart}, were {over} (a cosine)."]
 
 
 def _at_equal_distances(points):
     """(heights (m,) of one period at equal distances, [note]), without the last point, the first of the next period."""
     _, x, z = points
-    gaps, even = np.diff(x), _is_even(x)
+    gaps, even = np.diff(x), points.even
     count = gaps.size if even else 4 * gaps.size  # so the corners of the linear pieces stay
     if even and count <= MOST_POINTS:
         return z[:-1], []

@@ -1,24 +1,22 @@
 """Reads a measured profile, x and z in nm, from a table or the file of an instrument."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..surfaces import PERIOD, DataError, Profile
 from ..text import counted
-from .columns import Given, asked, checked, for_user, given, not_used, plain, recognised
+from .columns import Given, asked, checked, for_user, given, not_used, recognised
 from .content import Source, content_of
-from .force_curves import is_force_curve
-from .instruments import is_instruments, read_line
+from .instruments import is_force_curve, is_instruments, read_line
 from .periodic import Points, made_periodic, reject_few
-from .tables import SHOWN, Block, Table, listed, table_in
-from .units import ALLOWED, agreed, factor, is_unit, mentioned, units_above
-from .units import LENGTHS as NM
+from .tables import SHOWN, Block, Table, left_out, table_in
+from .units import LENGTH, agreed, allowed_of, is_unit, measure, mentioned, units_above
 
 LONGEST_GAP = 5  # rows in a row without both numbers
+FARTHEST = 1e9  # nm: of a number beyond a metre the unit is wrong
 NEEDED = "two columns: x, z in nm"
 COUNTED = 'take none for x: its unit is then the distance of the rows, as "2.5 nm"'
 NAMED = {  # names of columns in small letters without blanks and signs
@@ -43,7 +41,9 @@ def read_trace(source: Source | Block, **how: Any) -> Points:
 
     how: `unit`, `units`, `columns`, `line` and `channel` of `read_profile`.
     """
-    return _points(source, How(**how))[0]
+    points = _points(source, How(**how))[0]
+    reject_few(points)
+    return points
 
 
 def read_profile(
@@ -101,33 +101,42 @@ def _points(source, how):
     return _of_table(table_in(content, NEEDED, how.channel), how)
 
 
+def _of_instrument(content, how):
+    """As `_points`, of the file of an instrument."""
+    if how.columns or how.units:
+        raise DataError("columns and units belong to a table, and this is the file of an instrument; leave them out")
+    x, z, note = read_line(content, how.unit, how.line, how.channel)
+    known = np.flatnonzero(np.isfinite(z))
+    _reject_gaps(known, np.zeros(z.size, int))  # there are no lines to name
+    missing = [f"{counted(z.size - known.size, 'missing point')} left out."] * (known.size < z.size)
+    return Points(np.zeros(known.size, int), x[known], z[known]), [note, *missing], False
+
+
 def _of_table(block, how):
     """As `_points`, of a Block."""
-    x_z = _x_and_z(block.table, how)
-    sizes, read = _units(block.table, x_z, how)
-    numbers = {role: np.arange(block.table.rows) if k is None else block.numbers(role, k) for role, k in x_z.items()}
+    table = block.table
+    x_z = _x_and_z(table, how)
+    sizes, read = _units(table, x_z, how)
+    numbers = {role: np.arange(table.rows) if k is None else block.numbers(role, k) for role, k in x_z.items()}
     x, z = (numbers[role] * sizes[role] for role in "xz")
-    lines, x, z, left_out = _complete(block.lines, x, z)
+    lines, x, z, notes = _complete(block.lines, x, z)
     for name, values in (("x", x), ("z", z)):
-        large = np.flatnonzero(np.abs(values) > 1e9)  # a metre: the unit is wrong
-        if large.size:
-            reason = f"{name} = {values[large[0]]:g} nm: allowed: -1e+09 .. 1e+09 nm; check its unit"
-            raise DataError(reason, int(lines[large[0]]))
-    points = Points(lines, x, z)
-    reject_few(points)
-    spare = not_used(block, list(x_z.values()))
-    notes = [f"{lines.size} points; {read}; summits of z face the substrate.", *spare, *left_out, *block.notes]
-    return points, notes, any(PERIOD in line for line in block.table.above)
+        if (far := np.flatnonzero(np.abs(values) > FARTHEST)).size:
+            allowed = f"allowed: {-FARTHEST:g} .. {FARTHEST:g} nm; check its unit"
+            raise DataError(f"{name} = {values[far[0]]:g} nm: {allowed}", int(lines[far[0]]))
+    first = f"{lines.size} points; {read}; summits of z face the substrate."
+    notes = [first, *not_used(block, list(x_z.values())), *notes, *block.notes]
+    return Points(lines, x, z), notes, any(PERIOD in line for line in table.above)
 
 
 def named(table: Table) -> dict[str, int]:
     """{"x", "z": index} of the columns that names tell; of two without names both."""
     if len(table.columns) == 2 and not any(column.name for column in table.columns):
         return {"x": 0, "z": 1}
-    known, several = recognised(table, NAMED)
-    rest = [column for column in table.columns if plain(column.name) not in ("x", "y")]
-    if "z" not in {*known, *several} and not any(any(map(str.isalpha, column.unit or "")) for column in rest):
-        known |= {"z": known["y"]} if "y" in known else {}  # of x, y and a quantity it is another coordinate
+    known, roles = recognised(table, NAMED)
+    others = [column.unit or "" for column, role in zip(table.columns, roles, strict=True) if role not in ("x", "y")]
+    if "y" in known and "z" not in roles and not any(map(str.isalpha, "".join(others))):
+        known["z"] = known["y"]  # beside x, y and a quantity it is another coordinate
     return {role: known[role] for role in "xz" if role in known}
 
 
@@ -139,67 +148,68 @@ def _x_and_z(table, how):
     if len(table.columns) == 1 and "x" not in own:
         raise _asked(table, f"one column; needed: {NEEDED}, or {COUNTED}", {"x": None, "z": 0}, how)
     if len(of) < 2 or of["x"] == of["z"] or of["z"] is None:
-        unnamed = not any(column.name for column in table.columns)
+        unnamed = len(table.columns) > 2 and not any(column.name for column in table.columns)
         matrix = f"; if this is a map of heights, save one line of it as x and z, or {COUNTED}"
         unclear = [role for role in "xz" if role not in of] or ["z"]
         reason = f"which column is {' and which '.join(unclear)} is not certain"
-        of = {role: k for role, k in of.items() if role not in unclear}
-        raise _asked(table, reason + matrix * (len(table.columns) > 2 and unnamed), of, how)
+        raise _asked(table, reason + matrix * unnamed, {role: of[role] for role in of if role not in unclear}, how)
     return of
 
 
-def _file_units(table, of):
-    """{"x", "z": unit or None} of two columns, in the heading and in lines above; two that differ are one unknown."""
-    above, units = units_above(table.above), dict.fromkeys("xz")
-    for role in (role for role in "xz" if of.get(role, role) is not None):
-        own = table.columns[of[role]].unit if role in of else None
-        differs = is_unit(own) and role in above and factor(own) != factor(above[role])
-        units[role] = f"{own} or {above[role]}" if differs else own or above.get(role)
-    return units
+def _units_of(table, of, how):
+    """{"x", "z": (unit that the file names, or None; that of an argument, or None)}.
 
-
-def _given_units(of, how):
-    """{"x", "z": unit} that arguments give; `unit` is none of rows that are counted."""
-    alone = {role: how.unit for role in "xz" if how.unit is not None and of.get(role, role) is not None}
-    return alone | dict(how.units)
+    The file's is in the heading or a line above: two that differ are one that is not known. Rows that are counted have
+    none, and `unit` is not theirs.
+    """
+    above, found = units_above(table.above), {}
+    for role in "xz":
+        counted = of.get(role, role) is None
+        own = table.columns[of[role]].unit if role in of and not counted else None
+        other = None if counted else above.get(role)
+        differs = is_unit(own) and other and measure(own) != measure(other)
+        file = f"{own} or {other}" if differs else own or other
+        found[role] = file, how.units.get(role, None if counted else how.unit)
+    return found
 
 
 def _asked(table, reason, of, how):
     """The DataError that asks for columns and units that are not known; a unit that is two is one of them."""
-    two = {role for role, unit in _file_units(table, of).items() if unit and " or " in unit}
-    sure = {role: unit for role, unit in _file_units(table, of).items() if is_unit(unit)} | _given_units(of, how)
-    return asked(table, reason, of, {"x": NM, "z": NM}, dict.fromkeys(two, ...) | sure)
+    known: dict[str, Any] = {}
+    for role, (unit, wanted) in _units_of(table, of, how).items():
+        if wanted or is_unit(unit) or " or " in f"{unit}":
+            known[role] = wanted or (unit if is_unit(unit) else ...)
+    return asked(table, reason, of, {"x": LENGTH, "z": LENGTH}, known)
 
 
 def _units(table, of, how):
     """({"x", "z": nm per unit} of two columns, how they are read). Raises DataError for an unknown one."""
-    file, own, sizes, read = _file_units(table, of), _given_units(of, how), {}, []
-    for role, unit in file.items():
-        if role in own:
-            alone = role not in how.units  # `unit` cannot say what 1 of one column is
-            name = "unit" if alone else f"units[{role!r}]"
-            sizes[role] = agreed(own[role], unit, name=name, role=role if alone else "")
+    sizes, read = {}, []
+    for role, (unit, wanted) in _units_of(table, of, how).items():
+        told = f", where the file says {unit[:SHOWN]}" if wanted and unit and not is_unit(unit) else ""
+        read.append(f"{role} {'is read ' * (role == 'x')}as {wanted or unit}{told}")
+        if role in how.units:
+            sizes[role], _ = agreed(wanted, unit, name=f"units[{role!r}]")
+        elif wanted:  # `unit` cannot say what 1 of one column is
+            sizes[role], _ = agreed(wanted, unit, role=role)
         elif is_unit(unit):
-            sizes[role] = factor(unit)
+            sizes[role], _ = measure(unit)
+        elif unit:
+            raise _asked(table, f"{role} in {unit[:SHOWN]!r}; allowed units: {allowed_of()}", of, how)
         else:
-            why = f"{role} in {unit[:SHOWN]!r}; allowed units: {ALLOWED}" if unit else f"{role} has no unit"
-            raise _asked(table, why + ("" if unit else mentioned(table.above)), of, how)
-        told = f", where the file says {unit[:SHOWN]}" if role in own and unit and not is_unit(unit) else ""
-        read.append(f"{role} {'is read ' * (role == 'x')}as {own.get(role, unit)}{told}")
+            raise _asked(table, f"{role} has no unit{mentioned(table.above)}", of, how)
     return sizes, ", ".join(read)
 
 
 def _complete(lines, x, z):
     """(lines, x, z, [notes]) of the rows with both numbers, ascending in x. Raises DataError."""
     complete = np.isfinite(x) & np.isfinite(z)
-    reject_gaps(np.flatnonzero(complete), lines)
-    missing, lines, x, z = lines[~complete].tolist(), lines[complete], x[complete], z[complete]
-    notes = [f"{counted(len(missing), 'row')} without all numbers left out (line {listed(missing)})."] * bool(missing)
-    steps = np.diff(x)
-    if steps.size and np.all(steps < 0.0):
-        lines, x, z, steps = lines[::-1], x[::-1], z[::-1], -steps[::-1]
+    _reject_gaps(np.flatnonzero(complete), lines)
+    notes, lines, x, z = left_out(lines[~complete]), lines[complete], x[complete], z[complete]
+    if x.size > 1 and np.all(np.diff(x) < 0.0):
+        lines, x, z = lines[::-1], x[::-1], z[::-1]
         notes.append("x descends: the points are read in reverse order.")
-    if (falls := np.flatnonzero(steps <= 0.0)).size:
+    if (falls := np.flatnonzero(np.diff(x) <= 0.0)).size:
         before, after = x[falls[0]], x[falls[0] + 1]
         remedy = "keep one line of each x" if after == before else "sort the lines by x"
         if after < before and falls.size > 1:
@@ -208,24 +218,10 @@ def _complete(lines, x, z):
     return lines, x, z, notes
 
 
-def reject_gaps(complete: NDArray[np.int64], lines: Sequence[int]) -> None:
+def _reject_gaps(complete, lines):
     """Raises DataError where too many rows between two complete ones are not; complete: their indices (k,)."""
     gaps = np.diff(complete) - 1
     if gaps.max(initial=0) > LONGEST_GAP:
         k = int(np.argmax(gaps > LONGEST_GAP))
         reason = f"{gaps[k]} rows in a row without all numbers; allowed: up to {LONGEST_GAP}"
         raise DataError(f"{reason}; fill them, or keep one side of the gap", int(lines[complete[k] + 1]))
-
-
-def _of_instrument(content, how):
-    """As `_points`, of the file of an instrument."""
-    if how.columns or how.units:
-        raise DataError("columns and units belong to a table, and this is the file of an instrument; leave them out")
-    x, z, note = read_line(content, how.unit, how.line, how.channel)
-    known = np.flatnonzero(np.isfinite(z))
-    reject_gaps(known, [0] * z.size)
-    left = z.size - known.size
-    missing = [f"{counted(left, 'missing point')} left out."] * bool(left)
-    points = Points(np.zeros(known.size, int), x[known], z[known])  # there are no lines to name
-    reject_few(points)
-    return points, [note, *missing], False

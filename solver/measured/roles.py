@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from ..surfaces import DataError
 from .columns import asked, called, checked, given, plain, recognised
 from .tables import SHOWN, Table
-from .units import LENGTHS, NEWTONS, PER_WIDTH, SECONDS, agreed, allowed_of, factor, is_unit, named_unit, quantity
+from .units import FORCE, LENGTH, agreed, allowed_of, is_unit, measure, named_unit, quantity
 
 NEEDED_BY = {
     "friction": "U_x and F of friction, or time and F with a speed",
@@ -29,30 +29,27 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "A_bar": ("abar",),
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
-    "height": ("height", "heightmeasured"),  # falls as delta grows, and has the lever in it
-    "gap": ("gap", "separation", "tipsampleseparation"),  # falls as delta grows
+    "height": ("height", "heightmeasured", "heightpiezo"),  # falls as delta grows, and has the lever in it
+    "gap": ("gap", "separation", "tipsampleseparation", "tipposition"),  # falls as delta grows
     "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
     "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
-SECOND = {"gap": ("tipposition",), "height": ("heightpiezo",)}  # read where no other name is one of DEEP
+BESIDE_MEASURED = {"height": ("height", "heightmeasured"), "gap": NAMED["gap"][:-1]}  # the others are of the piezo
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
-SURE = (  # kind, over one of, one of; the first that a heading names is meant
-    ("friction", ("U_x",), (*FORCES, "force")),
-    ("friction", ("displacement",), FORCES),
-    ("load", DEEP, (*LOADS, "force")),  # where no friction force is named
-    ("friction", ("time",), FORCES),
-    ("area", ("U_x", *FORCES, "force", *LOADS), AREAS),
-)
-MEANT = {  # the same where `kind` is given
+MEANT = {  # over one of, one of; the first that a heading names is meant
     "friction": (("U_x", "displacement", "time"), (*FORCES, "force")),
     "load": ((*DEEP, "displacement"), (*LOADS, "force")),
     "area": (("U_x", "displacement", *FORCES, "force", *LOADS), AREAS),
 }
-FORCE_UNITS = PER_WIDTH | NEWTONS | {"F_s": 1.0}
-UNITS_OF = {"F": FORCE_UNITS, "L": FORCE_UNITS, "time": SECONDS, "A": LENGTHS | {"A_0": 1.0}}  # of others: LENGTHS
+SIDES = {  # quantities of either side of a curve, the likely one first
+    "friction": (("U_x", "time"), ("F",)),
+    "load": (("delta",), ("L",)),
+    "area": (("F", "L", "U_x"), ("A",)),
+}
+UNITS_OF = {"U_x": LENGTH, "delta": LENGTH, "time": ("s",), "F": FORCE, "L": FORCE, "A": (*LENGTH, "A_0")}
 
 
 def quantity_of(role: str, kind: str) -> str:
@@ -75,23 +72,22 @@ def proposed(table: Table, kind: str = "") -> tuple[str, dict[str, int]]:
 class Roles:
     """The columns of a curve. Raises DataError where they are not certain, or without a unit.
 
-    how: the arguments of `read_measurement`. kind: "friction" (a loop as well), "load" or "area". of: {quantity: index
-    of its column}; over: the first quantity. role: {quantity: what its heading says it is}; own: {index: the same}, of
-    all columns; known: {role: index}. scaled: {quantity: (factor, unit of what is read)}. notes: what is left out,
-    `noted` of it by role, and units as given.
+    how: the arguments of `read_measurement`. headings: what each column is by its name, or ""; known: {role: index}.
+    kind: "friction" (a loop as well), "load" or "area". of: {quantity: index of its column}, that of x first; role:
+    {quantity: what its heading says it is}; scaled: {quantity: (factor, unit of what is read)}. notes: what is left
+    out, `noted` of it by role, and units as given.
     """
 
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
         self.table, self.how = table, how
-        recognised_ones, self.several = recognised(table, NAMED)
-        second, _ = recognised(table, SECOND)
+        known, self.headings = recognised(table, NAMED)
+        if any(plain(column.name) == "heightmeasured" for column in table.columns):
+            known, _ = recognised(table, NAMED | BESIDE_MEASURED)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
-        self.own = {k: role for role, k in (*second.items(), *recognised_ones.items())}
-        if not {*DEEP, "displacement"} & {*recognised_ones, *self.several}:
-            recognised_ones |= dict(list(second.items())[:1])
-        others = {role: k for role, k in recognised_ones.items() if k not in self.given.values()}
-        self.known = {role: k for role, k in (others | self.given).items() if k is not None}
+        free = {role: k for role, k in known.items() if k not in self.given.values()}
+        self.known = {role: k for role, k in (free | self.given).items() if k is not None}
+        self.named = {*self.known, *(role for role in self.headings if self.headings.count(role) > 1)}
         self.of: dict[str, int] = {}
         self.noted: tuple[str, ...] = ()
         self.notes: list[str] = []
@@ -104,10 +100,8 @@ class Roles:
         """
         self.kind, self.role = self._kind(sliding)
         self.of = {name: self.known[role] for name, role in self.role.items()}
-        heading = self.heading("delta") if "delta" in self.of else None
-        if heading in ("height", "gap", "position"):  # also one that an argument calls delta
-            self.role["delta"] = heading
-        self.over = next(iter(self.of))
+        if self.heading("delta") in ("height", "gap", "position"):  # also one that an argument calls delta
+            self.role["delta"] = self.heading("delta")
         self._reject_units()
         self.scaled = {name: scaled for name in self.of if (scaled := self._unit(name))}
         if missing := [name for name in list(self.of)[:2] if name not in self.scaled]:
@@ -115,26 +109,27 @@ class Roles:
         self.of = {name: self.of[name] for name in self.scaled}
         return self.kind
 
-    def heading(self, name: str) -> str | None:
+    def heading(self, name: str) -> str:
         """What a heading says that the column of a quantity is."""
-        return self.own.get(self.of[name])
+        return self.headings[self.of[name]] if name in self.of else ""
 
     def _kind(self, sliding):
         """(the kind of the curve, {quantity: role})."""
         kind = "friction" if self.how.kind == "loop" else self.how.kind
-        known, named = self.known, {*self.known, *self.several}
+        known, named = self.known, self.named
         over = [role for role in ("U_x", "delta", "time") if self.given.get(role) is not None]
-        sides = [(kind, *MEANT[kind])] if kind else SURE
-        if self.how.speed is not None:
-            sides = (*sides, ("friction", ("time",), ("force",)))
-        if not kind and "displacement" in named and not {"U_x", "delta", *FORCES} & named:
-            sides = ()  # a machine's displacement and force may be those of a press
-        for found, across, values in sides:
+        along, timed = {"U_x", *FORCES} & named, {"time"} if self.how.speed is not None else set()
+        for found in (kind,) if kind else MEANT:
+            across, values = MEANT[found]
             x = [role for role in over or across if role in across and role in named]
             y = [role for role in values if role in named and not (x and known.get(role, -1) == known.get(x[0]))]
             if not (x and y) or (sliding is not None and sliding != (found == "friction")):
                 continue
-            if not kind and not over and sliding is None and found == "load" and {"U_x", *FORCES} & named:
+            if not kind and found == "friction" and y[0] == "force" and x[0] not in {"U_x", *timed}:
+                continue
+            if not kind and found != "friction" and "displacement" in x:  # a machine's may be that of a press
+                continue
+            if not kind and found == "load" and along and not over and sliding is None:
                 continue
             if x[0] not in known or y[0] not in known or self._rivals(x) or self._rivals([y[0], "force"]):
                 break
@@ -163,32 +158,26 @@ class Roles:
 
     def _asked_kind(self, kind):
         """The DataError for columns that are not certain."""
-        known, table, named = self.known, self.table, {*self.known, *self.several}
+        known, table, named = self.known, self.table, self.named
         if not kind and "displacement" in known and {"force", *LOADS} & known.keys():
             reason = "a displacement and a force: along the surface (friction, loop) or into it (load)?"
             return DataError(f"{reason} {table}", table=table, call={"kind": ...})
-        if not kind and {"time", "force"} <= known.keys():
+        if not kind and {"time", "force"} <= known.keys() and not {*DEEP} & named:
             return DataError(f"a force over time; {table}", table=table, call={"kind": "friction", "speed": ...})
         reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
-        names = {"friction": ("U_x", "F"), "load": ("delta", "L"), "area": ("F", "A")}[kind]
-        deep = {known[role] for role in DEEP if role in known}
-        along = [k for k, column in enumerate(table.columns) if is_unit(column.unit) and k not in deep]
-        timed = "time" in known and not {"U_x", "displacement"} & named and ({*FORCES} & named or not along)
-        if kind == "friction" and timed:
-            names = ("time", "F")
-        more = {"speed": ...} if "time" in names and self.how.speed is None else {}
-        over, values = MEANT[kind]
-        roles = {names[0]: [role for role in over if (role == "time") == (names[0] == "time")], names[1]: values}
-        at = {name: {known.get(each) for each in roles[name] if each in named} for name in names}
-        self.of = {name: found.pop() for name, found in at.items() if len(found) == 1 and None not in found}
-        return self._asked(reason, self.of, names, **more)
+        timed = kind == "friction" and "time" in known and not {"U_x", "displacement"} & named
+        names = ("time", "F") if timed else tuple(side[0] for side in SIDES[kind])
+        over, values = [role for role in MEANT[kind][0] if (role == "time") == timed], MEANT[kind][1]
+        at = [{known.get(each) for each in roles if each in named} for roles in (over, values)]
+        self.of = {name: found.pop() for name, found in zip(names, at, strict=True) if len(found) == 1}
+        self.of = {name: k for name, k in self.of.items() if k is not None}
+        return self._asked(reason, self.of, names, **{"speed": ...} if timed and self.how.speed is None else {})
 
     def _asked(self, reason, of, names, **more):
         """The DataError for the columns and units of quantities."""
-        known = {name: UNITS_OF.get(name, LENGTHS) for name in names}
-        return asked(self.table, reason, of, known, self.how.units, **more)
+        return asked(self.table, reason, of, {name: UNITS_OF[name] for name in names}, self.how.units, **more)
 
     def _reject_units(self):
         """Raises DataError for a unit of what is no column of the file."""
@@ -196,15 +185,14 @@ class Roles:
         there = [role for role in there if role in ROLES and role not in ("segment", "stage")]
         for role in self.how.units:
             if role not in there:
-                raise DataError(
-                    f"units has {role!r}, and no column is that; there are {', '.join(there)}; leave it out"
-                )
+                reason = f"units has {role!r}, and no column is that; there are {', '.join(there)}; leave it out"
+                raise DataError(reason)
 
     def _unit(self, name):
         """(factor, unit of what is read) of a quantity; None where neither the file nor an argument names one."""
         role, column, force = self.role[name], self.table.columns[self.of[name]], self.how.force
-        wanted, own = self.how.units.get(name, self.how.units.get(role)), column.unit
-        known = UNITS_OF.get(name, LENGTHS)
+        wanted = self.how.units.get(name, self.how.units.get(role))
+        own, allowed = column.unit, UNITS_OF[name]
         if role.endswith("_bar"):
             if unit := wanted or (own if own and named_unit(own) else None):
                 call = {} if wanted or role in self.given else {"columns": {name: called(self.table, self.of[name])}}
@@ -212,21 +200,20 @@ class Roles:
                 raise DataError(f"{role} has no unit, and {unit} is one; {remedy}", table=self.table, call=call)
             return 1.0, "w" if name == "A" else "w E"
         if force is not None and name in ("F", "L"):
-            if wanted or own in PER_WIDTH or own == "F_s":
+            if wanted or quantity(own) in ("N/m", "F_s"):
                 raise DataError(f"force = {force:g}, but {column.name or name} is in {wanted or own}; leave force out")
             return force, "N/m"
         if wanted:
-            times = agreed(wanted, own, known, f"units[{name!r}]")
-            if own and not is_unit(own, known):
+            if own and not is_unit(own, allowed):
                 self.notes.append(f"{name} is read as {wanted}; the file says {own[:SHOWN]}.")
-            return times, quantity(wanted)
-        return (factor(own, known), quantity(own)) if is_unit(own, known) else None
+            return agreed(wanted, own, allowed, f"units[{name!r}]")
+        return measure(own, allowed) if is_unit(own, allowed) else None
 
     def _asked_units(self, missing):
         """The DataError for quantities without a unit that is known."""
         whys = []
         for name in missing:
-            unit, allowed = self.table.columns[self.of[name]].unit, allowed_of(UNITS_OF.get(name, LENGTHS))
+            unit, allowed = self.table.columns[self.of[name]].unit, allowed_of(UNITS_OF[name])
             why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
             whys.append(f"{why}; allowed units: {allowed}")
             if unit and name == "A" and re.search("[²2]", unit):

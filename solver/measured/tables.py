@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..surfaces import DataError
+from ..text import counted
 from .content import text_of
-from .headings import LABEL, heading_of
+from .headings import heading_of, labelled
 from .layout import LONGEST, MISSING, is_number, layout_of, reject_wide
 
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
@@ -46,16 +47,11 @@ class Table(NamedTuple):
 
     def to_json(self) -> dict[str, Any]:
         """The same as JSON has it, with null for no unit and for the range of words; long lines and cells are cut."""
-        columns = [column._asdict() for column in self.columns]
-        for column in columns:
-            column |= {name: None for name in ("low", "high") if column[name] != column[name]}
-        first = [[cell[:SHOWN] for cell in row] for row in self.first]
-        return {
-            "columns": columns,
-            "first": first,
-            "above": [line[:200] for line in self.above[-20:]],
-            "rows": self.rows,
-        }
+        ranges = [{"low": None, "high": None} if column.low != column.low else {} for column in self.columns]
+        columns = [column._asdict() | own for column, own in zip(self.columns, ranges, strict=True)]
+        first = [[cell[:SHOWN] for cell in row[: len(columns)]] for row in self.first]
+        above = [line[: 2 * SHOWN] for line in self.above[-20:]]
+        return {"columns": columns, "first": first, "above": above, "rows": self.rows}
 
 
 class Block(NamedTuple):
@@ -84,35 +80,43 @@ def _shown(column):
     return f"{name}{unit} {column.low:.4g} .. {column.high:.4g}" if column.low == column.low else f"{name} of words"
 
 
+def column_of(name: str, unit: str | None, cells: NDArray[Any]) -> Column:
+    """The Column of some cells."""
+    known = cells[np.isfinite(cells)] if cells.dtype != object else np.zeros(0)
+    return Column(name, unit, *((float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)))
+
+
 def table_in(content: str | bytes, needed: str, channel: str | int | None = None) -> Block:
     """Finds the table in the content of a file.
 
     Semicolons, tabs, commas or blanks separate columns; numbers may have decimal commas, except between commas. Blank
     lines and text after # are skipped. The heading is the line above the first row, and may have a row of units below.
     Parameters: content: of a file, as text or bytes. needed: what a file should have, for messages. channel: the number
-    of a table, from 1 on, where there are several.
+    of a table, from 1 on, or "all", where there are several.
     Returns a Block. Raises DataError.
     """
     raw = _lines(text_of(content))
-    lines = [line.partition("#")[0].strip() if "#" in line else line.strip() for line in raw]
+    lines = [line.partition("#")[0].strip() for line in raw]
     layout = layout_of(lines)
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
-    layout, ranges, names = _ranges(raw, lines, layout)
-    chosen, others = _chosen(ranges, names, channel)
-    rows = np.concatenate([ranges[k] for k in chosen])
+    layout, parts = _parts(lines, layout, labelled(raw))
+    chosen, notes = _chosen(parts, channel)
+    rows = np.concatenate([at for _, at in chosen])
+    words = np.concatenate([np.full(at.size, segment, object) for segment, at in chosen])
     _reject_bad(lines, rows, layout)
-    rows, width, begun = _full_rows(lines, rows, layout)
+    width, begun = _full_rows(lines, rows, layout)
+    rows, words = rows[begun:], words[begun:]
     cells = _cells([lines[k] for k in rows], layout, width, rows)
     above = tuple(line for line in raw[: rows[0]] if line.strip())
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
-    units, heading = heading_of(above, layout.separator, (filled, width))
-    columns = tuple(Column(*both, *range_of(cells[k])) for k, both in enumerate(zip(heading, units, strict=True)))
-    kept = [k for k in range(width) if heading[k] or k < filled]
+    units, names = heading_of(above, layout.separator, (filled, width))
+    kept = [k for k in range(width) if names[k] or k < filled]
+    columns, cells = [column_of(names[k], units[k], cells[k]) for k in kept], [cells[k] for k in kept]
+    if len(chosen) > 1 and all(segment for segment, _ in chosen):
+        columns, cells = [*columns, column_of("segment", None, words)], [*cells, words]
     first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
-    table = Table(tuple(columns[k] for k in kept), first, above, rows.size)
-    block = Block(table, [cells[k] for k in kept], rows + 1, _notes(ranges, others, rows))
-    return _with_segments(block, names, ranges, chosen, begun)
+    return Block(Table(tuple(columns), first, above, rows.size), cells, rows + 1, notes)
 
 
 def _lines(text):
@@ -125,55 +129,35 @@ def _lines(text):
     return lines
 
 
-def _ranges(raw, lines, layout):
-    """(Layout, [indices of rows, an array for each table], [the segment that a line above each names, or ""])."""
-    is_row = layout.is_row
-    row = np.fromiter((bool(line) and bool(is_row(line)) for line in lines), bool, len(lines))
-    labels = [(k, match[1].lower(), match[2].strip()) for k, line in enumerate(raw)
-              if line[:1] == "#" and (match := LABEL.match(line))]  # fmt: skip
-    named = {k: text for k, label, text in labels if label == "segment"}
-    if len({text for _, label, text in labels if label == "columns"}) > 1:
-        named = dict.fromkeys(named, "")  # tables of other columns are no segments of one
-    text = [k for k, line in enumerate(lines) if (line and not row[k]) or k in named]
+def _parts(lines, layout, segments):
+    """(Layout, [(the segment that a line above names, or "", indices of rows)] of tables).
+
+    segments: {index of a line: the segment that it names}.
+    """
+    row = np.fromiter((bool(line) and layout.is_row(line) for line in lines), bool, len(lines))
+    breaks = [k for k, line in enumerate(lines) if (line and not row[k]) or k in segments]
     rows = np.flatnonzero(row)
-    digits = [bool(re.search(r"\d", lines[k])) for k in rows[:50]]  # lines of dashes are none
-    rows = np.delete(rows, [k for k, has in enumerate(digits) if not has and not any(digits[:k])])
-    groups = np.searchsorted(text, rows)
-    cuts = np.flatnonzero(np.diff(groups)) + 1
-    ranges = [part for part in np.split(rows, cuts) if part.size]
-    k = ranges[0][0] if ranges else 0
+    rows = rows[next((k for k, at in enumerate(rows) if re.search(r"\d", lines[at])), rows.size) :]  # not of dashes
+    if not rows.size:
+        raise DataError("no points; no line has numbers alone")
+    parts = np.split(rows, np.flatnonzero(np.diff(np.searchsorted(breaks, rows))) + 1)
+    k = rows[0]
     beside, above = layout._replace(words=True), lines[k - 1]
     if k and beside != layout and beside.is_row(above) and layout.width(above) == layout.width(lines[k]):
-        return _ranges(raw, lines, beside)  # some oscilloscopes write words beside the first rows
-    at = list(named)
-    last = np.searchsorted(at, [part[0] for part in ranges]) - 1
-    return layout, ranges, ["" if k < 0 else named[at[k]] for k in last]
+        return _parts(lines, beside, segments)  # some oscilloscopes write words beside the first rows
+    return layout, [(next((segments[k] for k in reversed(segments) if k < at[0]), ""), at) for at in parts]
 
 
-def _chosen(ranges, names, channel):
-    """([numbers of the tables that are read], [those left out]); several are one where each names its segment."""
-    if not ranges:
-        raise DataError("no points; no line has numbers alone")
-    long = [k for k, part in enumerate(ranges) if part.size >= LONGEST]
-    long = long or [max(range(len(ranges)), key=lambda k: ranges[k].size)]
-    if channel is not None:
-        channel = int(channel) if str(channel).isdigit() else channel
-        if channel == "all":
-            return long, []
-        if channel not in range(1, len(long) + 1):
-            raise DataError(f"channel = {channel!r}: allowed: 1 .. {len(long)}, the number of a table, or 'all'")
-        return [long[channel - 1]], []
-    if len(long) > 1 and not all(names[k] for k in long):
-        begin = [str(ranges[k][0] + 1) for k in long]
-        reason = f"{len(long)} tables, which begin at lines {', '.join(begin[:6])}; 'all' reads them as one"
-        choices = numbered([f"table from line {line}" for line in begin]) | {"all": "all, as one table"}
-        raise DataError(reason, call={"channel": ...}, choices=choices)
-    return long, [k for k in range(len(ranges)) if k > long[-1]]
-
-
-def _notes(ranges, others, rows):
-    begin = [int(ranges[k][0]) + 1 for k in others if ranges[k].size > 1]
-    return (f"line {begin[0]} begins another table: left out.",) if begin else ()
+def _chosen(parts, channel):
+    """([parts] that are read, (a note on what is left out)); several are one where each names its segment."""
+    long = [part for part in parts if part[1].size >= LONGEST] or [max(parts, key=lambda part: part[1].size)]
+    together = len(long) > 1 and all(segment for segment, _ in long)
+    if channel is not None or (len(long) > 1 and not together):
+        names = [f"from line {at[0] + 1}" for _, at in long]
+        k = index_of([*names, *["all"] * (len(long) > 1)], channel, f"{len(long)} tables")
+        return long[k : k + 1] or long, ()
+    later = [at for _, at in parts if at[0] > long[-1][1][0] and at.size > 1]
+    return long, tuple(f"line {at[0] + 1} begins another table: left out." for at in later[:1])
 
 
 def _reject_bad(lines, rows, layout):
@@ -191,17 +175,15 @@ def _reject_bad(lines, rows, layout):
 
 
 def _full_rows(lines, rows, layout):
-    """(rows (k,) without those that count the others, the number of columns, how many rows were left out)."""
+    """(the number of columns, how many of the rows (k,) above the first full one count the others)."""
     counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
     width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
     reject_wide(int(counts.max()), int(rows[counts.argmax()]))
-    begun = int(np.argmax(counts == width))  # a number alone above rows of several is their count
-    rows, counts = rows[begun:], counts[begun:]
-    if counts.max() > width:
+    begun = int(np.argmax(counts == width))
+    if (wider := begun + np.flatnonzero(counts[begun:] > width)).size:
         remedy = "use decimal points, or semicolons between columns"
-        line = int(rows[np.argmax(counts > width)]) + 1
-        raise DataError(f"{counts.max()} columns in place of {width}; {remedy}", line)
-    return rows, width, begun
+        raise DataError(f"{counts[begun:].max()} columns in place of {width}; {remedy}", int(rows[wider[0]]) + 1)
+    return width, begun
 
 
 def _cells(texts, layout, width, rows):
@@ -211,8 +193,7 @@ def _cells(texts, layout, width, rows):
     text = "\n".join(texts).replace("\N{MINUS SIGN}", "-").replace('"', "")
     if "D" in text or "d" in text:
         text = FORTRAN.sub(r"\1e\2", text)
-    commas = layout.separator != "," and "," in text
-    words = layout.words
+    commas, words = layout.separator != "," and "," in text, layout.words
     if commas and not words and ("." in text or not DECIMAL.search(text)):
         both = "decimal points and commas; write one sign, without separators of thousands"
         thousands = "commas with three digits behind each may separate thousands; write decimal points"
@@ -227,40 +208,21 @@ def _cells(texts, layout, width, rows):
     for k in frame:
         column = frame[k]
         if words or column.dtype == object or column.dtype == "str":
-            texts_of = column.fillna("").astype(str).str.strip(' "')
-            numbers = to_numeric(texts_of.str.replace(",", ".") if commas else texts_of, errors="coerce")
+            own = column.fillna("").astype(str).str.strip(' "')
+            numbers = to_numeric(own.str.replace(",", ".") if commas else own, errors="coerce")
             known = int(numbers.notna().sum())
             # a column of which few cells are numbers is one of words, such as the stage of a run
-            column = numbers if known and 2 * known >= texts_of.ne("").sum() else texts_of.astype(object)
+            column = numbers if known and 2 * known >= own.ne("").sum() else own.astype(object)
         cells.append(column.to_numpy(object if column.dtype == object else np.float64))
     return cells
-
-
-def range_of(cells: NDArray[Any]) -> tuple[float, float]:
-    """(least, largest) finite number of a column; nan without any."""
-    known = cells[np.isfinite(cells)] if cells.dtype != object else np.zeros(0)
-    return (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
-
-
-def _with_segments(block, names, ranges, chosen, begun):
-    """The Block with a column `segment` where lines between its tables name them."""
-    if not all(names[k] for k in chosen) or len(chosen) < 2:
-        return block
-    words = np.concatenate([np.full(ranges[k].size, names[k], object) for k in chosen])[begun:]
-    columns = (*block.table.columns, Column("segment", None, np.nan, np.nan))
-    return block._replace(table=block.table._replace(columns=columns), cells=[*block.cells, words])
-
-
-def numbered(names: Sequence[str]) -> dict[str, str]:
-    """{channel: name} of channels or tables that are called by their numbers."""
-    return {f"{k}": name for k, name in enumerate(names, 1)}
 
 
 def index_of(names: Sequence[str], channel: str | int | None, what: str) -> int:
     """The index of the channel that is asked for, by its name or number from 1 on; of several one must be."""
     shown = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
     if channel is None and len(names) > 1:
-        raise DataError(f"{len(names)} {what}: {shown}", call={"channel": ...}, choices=numbered(names))
+        choices = {f"{k}": name for k, name in enumerate(names, 1)}
+        raise DataError(f"{what}: {shown}", call={"channel": ...}, choices=choices)
     wanted = 1 if channel is None else channel
     at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1
     if not 0 <= at < len(names):
@@ -268,6 +230,7 @@ def index_of(names: Sequence[str], channel: str | int | None, what: str) -> int:
     return at
 
 
-def listed(items: Sequence) -> str:
-    """The first three of some items, as text."""
-    return ", ".join(map(str, items[:3])) + " ..." * (len(items) > 3)
+def left_out(lines: NDArray[np.int64]) -> list[str]:
+    """[a note on incomplete rows in these lines (k,) of the file]."""
+    at = ", ".join(map(str, lines[:3].tolist())) + " ..." * (lines.size > 3)
+    return [f"{counted(lines.size, 'row')} without all numbers left out (line {at})."] * bool(lines.size)

@@ -2,13 +2,14 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from unicodedata import normalize
 
 from ..surfaces import DataError
 from ..text import UNITS
 
-NM = {  # words of a unit, in small letters: nm
+LENGTH, FORCE = ("nm",), ("N/m", "N", "F_s")  # units in which a length, or a force, is read
+NM = {  # nm: words of a unit, in small letters
     1.0: ("nm", "nanometer", "nanometre"),
     1e3: ("um", "µm", "âµm", "micron", "micrometer", "micrometre"),  # the third: UTF-8 read as Latin-1
     1e6: ("mm", "millimeter", "millimetre"),
@@ -17,21 +18,24 @@ NM = {  # words of a unit, in small letters: nm
     0.1: ("å", "a", "angstrom", "angström", "ångström", "ångstrom"),
     25.4e6: ("in", "inch", "inches"),
 }
-LENGTHS = {plural: nm for nm, words in NM.items() for word in words for plural in (word, word + "s" * (len(word) > 2))}
-NEWTONS = {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12} | {
-    **dict.fromkeys(("g", "gf", "gram", "grams"), 9.80665e-3),
-    **{"kgf": 9.80665, "kg": 9.80665, "lbf": 4.4482216152605, "lb": 4.4482216152605},
+SIZES = {  # {the unit in which it is read: {unit: how much it is}}
+    "nm": {plural: nm for nm, words in NM.items() for word in words for plural in (word, word + "s" * (len(word) > 2))},
+    "N/m": UNITS["N/m"],
+    "N": {"kN": 1e3, "N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12}
+    | dict.fromkeys(("g", "gf", "gram", "grams"), 9.80665e-3)
+    | {"kgf": 9.80665, "kg": 9.80665, "lbf": 4.4482216152605, "lb": 4.4482216152605},
+    "s": {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "F_s": {"F_s": 1.0},
+    "A_0": {"A_0": 1.0},
 }
-PER_WIDTH = UNITS["N/m"]
-SECONDS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "second": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-VOLTS = ("V", "mV", "volt", "volts")
-OTHERS = (*VOLTS, "ft", "pm", "px", "pixel", "pixels", "deg", "%", "Nm", "Pa", "kPa", "MPa", "F_s", "A_0")
-READ_IN = {
-    **{"N/m": PER_WIDTH, "N": NEWTONS, "F_s": {"F_s": 1.0}},
-    **{"A_0": {"A_0": 1.0}, "s": SECONDS, "nm": LENGTHS},
+READ_IN = {unit: name for name, units in SIZES.items() for unit in units}
+OTHERS = ("V", "mV", "volt", "volts", "ft", "pm", "px", "pixel", "pixels", "deg", "%", "Nm", "Pa", "kPa", "MPa")
+USUAL = {  # the first to choose from, of each of these
+    "nm": ("nm", "um", "mm", "cm", "m", "Å", "in"),
+    "N/m": ("N/m", "mN/mm"),
+    "N": ("N", "mN", "uN", "nN", "pN", "g", "lbf"),
+    "s": ("s", "ms", "min", "h"),
 }
-ALLOWED = 'nm, um, mm, cm, m, Å, in, or what 1 is, as "0.5 um"'
-FORCES_ALLOWED = 'N/m, mN/mm, N, mN, uN, nN, g, lbf, or what 1 is, as "0.5 nN"'
 WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name, and no unit
 RAISED = str.maketrans("⁻¹·*", "-1  ")
 TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
@@ -52,7 +56,7 @@ def plain_unit(text: str) -> str:
 def named_unit(text: str) -> bool:
     """Whether a text is a unit and nothing else."""
     unit = plain_unit(text.strip("[](){} "))
-    return is_unit(unit) or unit in NEWTONS or unit in PER_WIDTH or unit in SECONDS or unit in OTHERS
+    return bool(quantity(unit)) or unit in OTHERS
 
 
 def parted(cell: str) -> tuple[str, str | None]:
@@ -64,24 +68,33 @@ def parted(cell: str) -> tuple[str, str | None]:
     match = LAST.fullmatch(cell)
     if match and named_unit(match[2]) and (len(match[2]) > 1 or " in " in cell):
         return match[1], plain_unit(match[2])
-    alone = len(cell) > 1 and named_unit(cell) and cell not in OTHERS  # pixel is a name as well
+    alone = len(cell) > 1 and named_unit(cell) and cell not in (*OTHERS, "F_s", "A_0")  # pixel is a name as well
     return ("", plain_unit(cell)) if alone else (cell, None)
 
 
-def allowed_of(known: Mapping[str, float]) -> str:
-    """The units of a quantity, as a message lists them."""
-    return ALLOWED if "nm" in known else FORCES_ALLOWED if "N" in known else "s, ms, min, h"
+def quantity(unit: str | None) -> str:
+    """The unit in which a unit is read: nm, N/m, N, s, F_s or A_0; "" for one that is not known.
 
-
-def factor(unit: str, known: Mapping[str, float] = LENGTHS, name: str = "unit") -> float:
-    """How much a unit is, lengths in nm; a number may stand before it, as in "0.5 um".
-
-    Raises DataError, which calls it `name`, for another one.
+    Lengths may be in capitals, as MICRON, but Nm is a torque.
     """
-    times, word = _times_word(unit)
-    if not is_unit(word, known) or not times > 0.0:
-        raise DataError(f"{name} = {str(unit)[:40]!r}; allowed units: {allowed_of(known)}; give one of these")
-    return times * (known[word] if word in known else known[word.lower()])
+    if not unit or unit in READ_IN:
+        return READ_IN.get(unit or "", "")
+    return "nm" if unit.lower() in SIZES["nm"] and (len(unit) > 2 or unit.isupper()) else ""
+
+
+def usual(of: tuple[str, ...] = LENGTH) -> tuple[str, ...]:
+    """Units to choose from, where one of `of` is wanted."""
+    return tuple(unit for name in of for unit in USUAL.get(name, (name,)))
+
+
+def allowed_of(of: tuple[str, ...] = LENGTH) -> str:
+    """The same as a message lists them."""
+    return f'{", ".join(usual(of))}, or what 1 is, as "0.5 {"nN" if "N" in of else usual(of)[1]}"'
+
+
+def is_unit(unit: str | None, of: tuple[str, ...] = LENGTH) -> bool:
+    """Whether a unit is one of those that are read in one of some units."""
+    return quantity(unit) in of
 
 
 def _times_word(unit):
@@ -91,36 +104,35 @@ def _times_word(unit):
     return (float(match[1]), match[2]) if match else (1.0, plain)
 
 
-def quantity(unit: str) -> str:
-    """The unit in which a unit is read: N/m, N, F_s, A_0, s or nm; "" for one that is not read."""
-    word = _times_word(unit)[1]
-    return next((name for name, known in READ_IN.items() if is_unit(word, known)), "")
+def measure(unit: str, of: tuple[str, ...] = LENGTH, name: str = "unit") -> tuple[float, str]:
+    """(how much a unit is, the unit in which it is read: one of `of`); a number may stand before it, as in "0.5 um".
+
+    Raises DataError, which calls it `name`, for another one.
+    """
+    times, word = _times_word(unit)
+    if not is_unit(word, of) or not times > 0.0:
+        raise DataError(f"{name} = {str(unit)[:40]!r}; allowed units: {allowed_of(of)}; give one of these")
+    sizes = SIZES[quantity(word)]
+    return times * (sizes[word] if word in sizes else sizes[word.lower()]), quantity(word)
 
 
 def agreed(
-    given: str, own: str | None, known: Mapping[str, float] = LENGTHS, name: str = "unit", role: str = ""
-) -> float:
-    """`factor` of a unit that an argument gives for a role; own: the unit that the file names, or None.
+    given: str, own: str | None, of: tuple[str, ...] = LENGTH, name: str = "unit", role: str = ""
+) -> tuple[float, str]:
+    """`measure` of a unit that an argument gives for a role; own: the unit that the file names, or None.
 
     An argument replaces no unit: raises DataError where both differ, unless `given` says what 1 of the other is, as
     "10 N" does of V.
     """
-    size = factor(given, known, name)
+    found = measure(given, of, name)
     if own and named_unit(own):
-        same, number = quantity(own) == quantity(given), TIMES.fullmatch(plain_unit(given))
+        same, number = quantity(own) == found[1], TIMES.fullmatch(plain_unit(given))
         example = f'units={{"{role}": "10 {given}"}}' if role else f'"10 {given}"'
-        remedies = ["leave it out"] if is_unit(own, known) else []
+        remedies = ["leave it out"] if is_unit(own, of) else []
         remedies.append("correct the file" if same else f"say what 1 {own} is, as {example}")
-        if not math.isclose(factor(own, known), size) if same else not number:
+        if not math.isclose(measure(own, of)[0], found[0]) if same else not number:
             raise DataError(f"{name} = {given!r}, but the file names {own}; {', or '.join(remedies)}")
-    return size
-
-
-def is_unit(unit: str | None, known: Mapping[str, float] = LENGTHS) -> bool:
-    """Whether a unit is known; lengths also in capitals, as MICRON, but Nm is a torque."""
-    if not unit or unit in known:
-        return bool(unit)
-    return "nm" in known and unit.lower() in known and (len(unit) > 2 or unit.isupper())
+    return found
 
 
 def units_above(lines: Iterable[str]) -> dict[str, str]:
@@ -139,7 +151,7 @@ def units_above(lines: Iterable[str]) -> dict[str, str]:
 def mentioned(lines: Iterable[str]) -> str:
     """Why a length unit in some line above the numbers is not used: it may be of anything; "" where there is none."""
     for line in reversed(list(lines)):
-        for word in re.findall(r"[^\W\d_]+", plain_unit(line).replace("_", " ")):
-            if len(word) > 1 and is_unit(word) and word not in ("in", "IN"):
+        for word in re.findall(r"[^\W\d_]{2,}", plain_unit(line).replace("_", " ")):
+            if is_unit(word) and word.lower() != "in":
                 return f"; the line {' '.join(line.split())[:40]!r} names {word}, but not of which column"
     return ""

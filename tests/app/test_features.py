@@ -290,7 +290,7 @@ def lines(files):
 
 
 MOST, MOST_FIRST = 8000, 4825  # lines. Wanted are 6,400 and 4,000
-LARGER = {"files": 1095, "tour": 520}  # lines of features that are to become smaller
+LARGER = {"files": 1053, "tour": 520}  # lines of features that are to become smaller
 
 
 def test_the_core_grows_no_further():

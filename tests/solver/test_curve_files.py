@@ -7,8 +7,7 @@ import pytest
 
 from solver import DataError, Scene, fit, read_measurement, simulate
 from solver.measured.loop_fit import POINTS, LoopModel
-from solver.measured.measurement import Measurement
-from solver.measured.recording import turns_of
+from solver.measured.measurement import Measurement, turns_of
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=8.0, du_x=0.2, du_z=0.5, E=30.0)
 NOISE = 0.01  # of the largest force
@@ -326,7 +325,7 @@ def test_several_tables_are_asked_for():
     first, second = (table("Time (s),Fx (N/m)", TIMED, k * np.sin(TIMED)) for k in (1.0, 2.0))
     text = f"{first}\n\nStep No. 2\n{second}"
     with pytest.raises(
-        DataError, match=r"^2 tables, which begin at lines 2, 55; 'all' .*; call .*channel=...\)$"
+        DataError, match=r"^2 tables: 1 'from line 2', 2 'from line 55', 3 'all'; call .*channel=...\)$"
     ) as refused:
         read_measurement(SMALL, text, speed=5.0)
     found = read_measurement(SMALL, text, **filled(refused, channel=2))

@@ -110,6 +110,19 @@ def test_another_height_is_read_as_a_load_where_none_is_measured(columns):
     assert np.ptp(both.segments[0].x) == pytest.approx(220.0)
 
 
+@pytest.mark.parametrize("heights", ["height (measured)\theight (piezo)", "height (piezo)\ttip position"])
+def test_of_two_heights_in_a_text_the_measured_one_is_read_or_one_is_asked_for(heights):
+    rows = zip(0.1 * np.clip(DEPTH, 0.0, None), 1e3 - DEPTH, 2e3 - 2.0 * DEPTH, np.arange(222), strict=True)
+    text = "\n".join([f"# force\t{heights}\ttime", *("\t".join(f"{a:.9g}" for a in row) for row in rows)])
+    units = {"L": "nN", "delta": "nm"}
+    if "measured" in heights:
+        assert np.ptp(read_measurement(Scene(), text, units=units).segments[0].x) == pytest.approx(220.0)
+    with pytest.raises(DataError, match=r'columns=\{"delta": \.\.\., "L": "force"\}|delta has no unit') as refused:
+        read_measurement(Scene(), text)
+    call = refused.value.call | {"columns": {"delta": 3, "L": "force"}, "units": units}
+    assert np.ptp(read_measurement(Scene(), text, **call).segments[0].x) == pytest.approx(440.0)
+
+
 def test_a_tip_position_has_no_lever_in_it():
     assert not any("lever" in note for note in read_measurement(Scene(), hdf5(columns=TIP)).notes)
     with pytest.raises(DataError, match=r"a separation has no lever in it; leave it out$"):

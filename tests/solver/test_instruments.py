@@ -9,8 +9,8 @@ from SurfaceTopography import Topography, UniformLineScan
 
 from solver import DataError, read_profile
 from solver.measured.instruments import is_instruments, read_line
-from solver.measured.smoothing import ALPHA, least_cut_off, smoothed
-from solver.measured.units import factor
+from solver.measured.periodic import ALPHA, least_cut_off, smoothed
+from solver.measured.units import measure
 
 X = np.arange(400) * 2.5  # nm
 HILLS = 4.0 * np.cos(2.0 * np.pi * X / 250.0)
@@ -149,4 +149,4 @@ def test_a_steep_profile_names_a_cut_off_that_then_works():
 
 def test_a_micro_sign_that_a_writer_and_a_reader_encode_differently_is_known():
     """surfalize writes it in UTF-8, SurfaceTopography reads Latin-1: findings/surfalize-sur-in-another-reader.sh."""
-    assert factor("\u00c2\u00b5m") == 1e3
+    assert measure("\u00c2\u00b5m") == (1e3, "nm")

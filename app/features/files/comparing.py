@@ -8,12 +8,13 @@ import numpy as np
 
 from solver import DataError
 from solver.measured.comparison import NoStage, compared, unit_in
-from solver.measured.measurement import Measurement
-from solver.measured.recording import Recording
+from solver.measured.measurement import Measurement, Recording
 from solver.run.frame import Stage
 
-LAID, COMPARED = 500, 5000  # points of a curve that the page draws; that are compared
+LAID, COMPARED = 150, 5000  # points of a curve that the page draws: more hide the run; that are compared
 FARTHEST = 1e9  # nm, N, N/m: numbers of a measured curve beyond have another unit
+MISSING = {"unload": "retraction", "loop": "way back", "shear": "shear"}  # of a run, by the path that has it
+IN_LETTERS = {"F_s": "Fₛ", "A_0": "A₀"}
 COLUMNS = "stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"  # of a run, as the page sends them
 
 
@@ -22,6 +23,11 @@ class Curve(Recording):
     """A measured curve to be compared. options: the arguments that read it from its file."""
 
     options: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def main(self) -> str:
+        """The quantity that is drawn over x, and whose difference is told."""
+        return next(iter(self.segments[0].values))
 
 
 def rounded(value: float, digits: int = 3) -> str:
@@ -41,7 +47,7 @@ def curve_of(read: Measurement | Recording, options: dict[str, Any]) -> Curve:
         for each in moving
     )
     units = {name: read.units[name] for name in (read.over, *segments[0].values)}
-    return Curve(read.kind, segments, units, read.free, {}, read.notes, options)
+    return Curve(read.kind, segments, units, read.free, notes=read.notes, options=options)
 
 
 def shown(curve: Curve) -> dict[str, Any]:
@@ -50,8 +56,8 @@ def shown(curve: Curve) -> dict[str, Any]:
     segments = [
         {name: y[::every].tolist() for name, y in ({"x": each.x} | each.values).items()} for each in curve.segments
     ]
-    made = {"kind": curve.kind, "over": curve.over, "units": curve.units, "segments": segments}
-    return made | {"notes": " ".join(curve.notes)}
+    made = {name: getattr(curve, name) for name in ("kind", "over", "main", "units")}
+    return made | {"segments": segments, "columns": COLUMNS, "notes": " ".join(curve.notes)}
 
 
 def _run(content, stages, force, width):
@@ -77,10 +83,10 @@ def _own_range(curve, run, error):
 
 
 def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float, width: float) -> dict[str, Any]:
-    """Return how far a Curve and a run are apart, and {quantity: [factor, zero]} that bring it into the run's units.
+    """Return how far a Curve and a run are apart, and {quantity: (factor, zero)} that bring it into the run's units.
 
     content: COLUMNS of a run, float32; stages: their names; force: w E, N/m; width: w, nm. `why`: what keeps them from
-    being compared, and `path`: a kind of path whose runs can be.
+    being compared, and `path`: a kind of path whose runs can be. `near`, `says`: the difference in words.
     """
     try:
         run = _run(content, stages, force, width)
@@ -90,15 +96,24 @@ def compare(curve: Curve, content: bytes, stages: tuple[str, ...], force: float,
     try:
         found = compared(curve, run)
     except NoStage as error:
-        return {"path": error.path}
+        return {"path": error.path, "why": f"this run has no {MISSING[error.path]}"}
     except ValueError as error:
         return {"why": f"{_own_range(curve, run, error)}, so it is drawn in its own range"}
-    scaled = [name for name, unit in curve.units.items() if unit == "N"]
-    units = {name: unit_in(unit, run) for name, unit in curve.units.items()}
-    set_to = {name: [units[name], 0.0] for name in curve.units}
-    set_to |= {name: [found.scale, found.zero] for name in scaled}
-    if found.shift:
-        set_to[curve.over] = [1.0, found.shift]
-    at = [row[1] for row in found.rows]
+    set_to = {name: (unit_in(unit, run), 0.0) for name, unit in curve.units.items()}
+    set_to |= {name: (found.scale, found.zero) for name, unit in curve.units.items() if unit == "N"}
+    set_to |= {curve.over: (1.0, found.shift)} if found.shift else {}
     made = {"set": set_to, "outside": found.outside, "points": points, "rms": found.rms, "noise": found.noise}
-    return made | {"units": found.units, "low": min(at), "high": max(at)}
+    return made | _said(curve, found, points)
+
+
+def _said(curve, found, points):
+    """{"near": how far a Curve and a run are apart, "says": where, and how the points are drawn}, in words."""
+    main, at = curve.main, [row[1] for row in found.rows]
+    rms, unit = found.rms[main], IN_LETTERS.get(found.units[main], found.units[main])
+    where = "" if curve.over in "FL" else f" ({min(at):.1f} to {max(at):.1f} nm)"
+    beyond = f"; {found.outside} of {points} points lie beyond the run" if found.outside else ""
+    says = f"{where}, {rounded(rms / found.noise[main], 2)} times the noise{beyond}."
+    if curve.units[main] == "N":
+        says += f" Drawn: {main} × {rounded(found.scale)} N/m per N + {rounded(found.zero)} N/m."
+    says += f" Drawn: δ + {found.shift:.1f} nm." if found.shift else ""
+    return {"near": f"rms difference {rounded(rms, 2)} {unit}", "says": says.replace("-", "−")}

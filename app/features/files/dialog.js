@@ -5,13 +5,12 @@ import { order, take } from "../../static/js/channel.js"
 import { by, focused, make, makeButton, makeShape, on, one, say, tell } from "../../static/js/dom.js"
 import { digits } from "../../static/js/quantities.js"
 import { me } from "../../static/js/store.js"
-import { lay, prepare } from "./laid.js"
+import { AXES, lay, prepare } from "./laid.js"
 
 const PIECE = 2 ** 19, LARGEST = 20e6 // bytes
 const WIDE = 300, HIGH = 100, STEPS = 10_000 // of the drawing; of its handles
-const NAMES = { x: "x", z: "z", U_x: "Uₓ", F: "F", L: "L", A: "A", delta: "δ", time: "time" }
 const SIGNS = [["1", "1: as in the file"], ["-1", "−1: turned"]]
-const OTHER = "other", TEXTS = ["line", "spacing"]
+const CHOOSE = ["", "choose …"], OTHER = "other", TEXTS = ["line", "spacing", "unit"]
 const FIELDS = [...TEXTS, "speed", "deflection", "cut_off"]
 let file = null, turn = 0 // what is read; counts questions to the server, so that late answers are dropped
 let chosen = {}, seen = {} // fields of tasks.Chosen; what the server said last
@@ -23,10 +22,10 @@ export async function open(given, { left = 0, ...before } = {}) {
   if (!by("file-of")) connect()
   const mine = ++turn
   file = given
-  chosen = Object.fromEntries(Object.entries(before).filter(([, value]) => value || value === 0))
+  chosen = before
   seen = {}
   show({})
-  for (const field of FIELDS) by(`file-${field}`).value = chosen[field] ?? ""
+  for (const field of FIELDS) by(`file-${field}`).value = before[field] ?? ""
   tell(by("file-title"), file.name)
   say("file-others", left ? `One file is read at a time: ${left} more left out.` : "")
   if (!by("file-of").open) by("file-of").showModal()
@@ -101,15 +100,13 @@ const sentence = (text = "") =>
 
 // Everything that the server says about the file
 function show(given) {
-  seen = { channels: seen.channels, lengths: seen.lengths, ...given } // sent only by the refusal that asks
+  seen = { channels: seen.channels, ...given } // sent only by the refusal that asks
   by("file-sent").hidden = true
-  const { kinds = {}, kind = "", channels, lengths, fields = {} } = seen
-  fill(by("file-kind"), [["", "choose …"], ...Object.entries(kinds)], kind)
-  by("file-kind").parentNode.hidden = !seen.kinds
-  fill(by("file-channel"), [["", "choose …"], ...Object.entries(channels ?? {})], chosen.channel)
-  by("file-channel").parentNode.hidden = !channels
-  fill(by("file-length"), ["", ...(lengths ?? [])].map((unit) => [unit, unit || "choose …"]), chosen.units?.x)
-  by("file-length").parentNode.hidden = !lengths
+  const { fields = {} } = seen
+  for (const [name, list, value] of [["kind", seen.kinds, seen.kind], ["channel", seen.channels, chosen.channel]]) {
+    fill(by(`file-${name}`), [CHOOSE, ...Object.entries(list ?? {})], value)
+    by(`file-${name}`).parentNode.hidden = !list
+  }
   for (const field of FIELDS) {
     by(`file-${field}`).parentNode.hidden = !fields[field]
     by(`file-${field}`).previousSibling.data = `${fields[field] ?? ""} `
@@ -131,17 +128,17 @@ function showTable() {
   const key = JSON.stringify([file.name, table])
   if (box.dataset.key !== key) {
     box.dataset.key = key
-    const named = table.names.map((name, k) => name || `column ${k + 1}`)
+    const named = table.columns.map(({ name }, k) => name || `column ${k + 1}`)
     const menus = (of, what) => make("tr", {}, ...named.map((name, k) => make("td", {}, menu(of, what, name, k))))
     box.replaceChildren(
-      make("p", { className: "note" }, ...table.above.flatMap((text) => [text, make("br")])),
+      make("p", { className: "note" }, ...table.above.slice(-4).flatMap((text) => [text, make("br")])),
       make("table", {},
         make("thead", {}, menus("role", "what it is"), menus("unit", "unit"), menus("sign", "sign"),
           make("tr", {}, ...named.map((name) => make("th", { scope: "col" }, name)))),
         make("tbody", {}, ...table.first.map((row) => (
           make("tr", {}, ...named.map((_, k) => make("td", {}, row[k] ?? ""))))))))
   }
-  for (const k of table.names.keys()) showColumn(k)
+  for (const k of table.columns.keys()) showColumn(k)
 }
 
 const menu = (of, what, name, k) => make("span", {},
@@ -152,8 +149,8 @@ const at = (tag, of, k) => one(`#file-rows ${tag}[data-of="${of}"][data-k="${k}"
 const roleOf = (k) => Object.keys(seen.columns).find((role) => seen.columns[role] === k) ?? ""
 
 function showColumn(k) {
-  const role = roleOf(k), { roles, known, units, signs = {} } = seen
-  fill(at("select", "role", k), [["", "–"], ...roles.map((name) => [name, NAMES[name]])], role)
+  const role = roleOf(k), { known, units, signs = {} } = seen
+  fill(at("select", "role", k), [["", "–"], ...Object.keys(known).map((name) => [name, AXES[name] ?? name])], role)
   const menuOf = at("select", "unit", k), entry = at("input", "unit", k), unit = units[role] ?? ""
   const list = known[role] ?? [], own = unit && !list.includes(unit)
   menuOf.hidden = !role
@@ -173,7 +170,7 @@ function change({ target }) {
     const others = Object.entries(seen.columns).filter(([name, column]) => name !== value && column !== Number(k))
     const columns = Object.fromEntries([...others, ...(value ? [[value, Number(k)]] : [])])
     seen.columns = columns // until the server answers
-    for (const each of seen.table.names.keys()) showColumn(each)
+    for (const each of seen.table.columns.keys()) showColumn(each)
     return choose({ columns, part: null })
   }
   other = value === OTHER ? Number(k) : null
@@ -251,8 +248,6 @@ function connect() {
         onchange: ({ target }) => choose({ kind: target.value, columns: null, part: null, sign: null }) })),
       labelled("channel", make("select", { id: "file-channel",
         onchange: ({ target }) => choose({ channel: target.value || null, columns: null, part: null }) })),
-      labelled("unit of lengths", make("select", { id: "file-length",
-        onchange: ({ target }) => choose({ units: { x: target.value } }) })),
       ...FIELDS.map(entryOf)),
     make("div", { id: "file-rows", tabIndex: 0, role: "region", "aria-label": "First rows of the file", hidden: true }),
     make("figure", { id: "file-drawing", hidden: true, "aria-label": "The data in the file" },

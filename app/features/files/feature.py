@@ -114,7 +114,7 @@ class Feature(interface.Feature):
         units=are_units,
         sign=are_signs,
         part=is_part,
-        **dict.fromkeys(("channel", "line", "spacing"), orders.is_text),
+        **dict.fromkeys(("channel", "line", "spacing", "unit"), orders.is_text),
         **dict.fromkeys(("cut_off", "speed", "deflection"), orders.is_number),
     )
     def choose(self, turn: int, use: bool = False, **chosen: Any) -> None:

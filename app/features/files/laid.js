@@ -3,32 +3,22 @@
 import { order, take } from "../../static/js/channel.js"
 import { addChart, addPart, charts, line, none } from "../../static/js/charts.js"
 import { by, make, makeButton, one, root, say } from "../../static/js/dom.js"
-import { digits, fixed } from "../../static/js/quantities.js"
 import { enter } from "../../static/js/steer.js"
 import { frame, me, memory, redraw, sees, view } from "../../static/js/store.js"
 import { choose as chooseCurve, seeMore } from "../../static/js/view.js"
 
-const DRAWN = 150 // points at most: more of them hide the run
 const PARTS = { F: "forces", L: "forces", A: "area" } // the chart of a quantity
-const COLUMNS = ["stage", "U_x", "delta", "F", "L", "A", "slip", "slip_at", "F_slip"] // as comparing.COLUMNS
 const PAUSE = 400 // ms between two comparisons in a drag, whose predictions need the workers
 const BEYOND = 0.1 // of the points beyond the run, from which on the curve is drawn in its own range, too
-const AXES = { U_x: "Uₓ", delta: "δ", F: "F", L: "L", A: "A" }
+export const AXES = { U_x: "Uₓ", delta: "δ", F: "F", L: "L", A: "A" }
 const TIP = "A tip is three-dimensional, the model is plane strain: compare forces as ratios."
 const PREFIXES = [["", 1], ["m", 1e3], ["µ", 1e6], ["n", 1e9], ["p", 1e12]]
-const MISSING = { unload: "retraction", loop: "way back", shear: "shear" } // of a run, by the path that has it
-const UNITS = { "w E": "w E", F_s: "Fₛ", A_0: "A₀" }
 let asked = null // the run that the server compares with
 
 // again: the file and what was chosen of it, to choose anew
 export const lay = { again: null }
 
-const mainOf = ({ kind }) => (kind === "load" ? "L" : kind.startsWith("area") ? "A" : "F")
 const overForce = ({ over }) => over === "F" || over === "L"
-const thinned = (list) => {
-  const every = Math.ceil(list.length / DRAWN)
-  return list.filter((_, k) => k % every === 0)
-}
 
 // Points of a quantity in the units of the run, or of the file where the server has not compared them
 function pointsOf({ curve, apart }, name) {
@@ -55,7 +45,7 @@ function compare() {
   if (!laid || !run?.whole || laid.run === run || asked) return
   asked = run
   const { force, middle, stages } = run.head
-  const content = new Float32Array(COLUMNS.flatMap((name) => run.curves[name].map(Number))).buffer
+  const content = new Float32Array(laid.curve.columns.flatMap((name) => run.curves[name].map(Number))).buffer
   order("compare", { content, stages, force, width: 2 * middle })
 }
 
@@ -80,9 +70,9 @@ function draw() {
   const shown = {}
   for (const [of, chart] of Object.entries(PARTS)) {
     const there = laid?.apart?.set && laid.curve.segments[0][of] && belongs(run, laid)
-    const { x, y } = there ? pointsOf(laid, of) : { x: [], y: [] }
-    if (there) shown[of] = [y]
-    charts[chart].fill(`laid_${of}`, { x: thinned(x), y: thinned(y) })
+    const drawn = there ? pointsOf(laid, of) : none
+    if (there) shown[of] = [drawn.y]
+    charts[chart].fill(`laid_${of}`, drawn)
   }
   me.more = shown
   drawOwn(run)
@@ -99,15 +89,15 @@ function drawOwn(run) {
   if (!charts.own)
     addChart("own", { x: { start: 0, end: 1 }, y: { start: 0, end: 1 }, across: "", up: "",
       parts: { run: line("--body", { width: 2 }), points: points("--laid-1") } })
-  const { over } = curve, main = mainOf(curve), drawn = pointsOf(laid, main), chart = charts.own
-  const computed = apart?.set ? alongRun(run, curve, main) : none
+  const { over, main } = curve, drawn = pointsOf(laid, main), chart = charts.own
+  const computed = apart?.set ? alongRun(run, curve) : none
   chart.fill("run", computed)
   for (const [axis, side, name] of [["x", "across", over], ["y", "up", main]]) {
     const unit = apart?.set ? ("FL".includes(name) ? "N/m" : "nm") : curve.units[name]
     const all = [...drawn[axis], ...computed[axis]], most = Math.max(...all.map(Math.abs))
     // numbers of newtons that an axis has room for
     const [prefix, times] = (unit === "N" && PREFIXES.find(([, size]) => most * size >= 1)) || ["", 1]
-    drawn[axis] = thinned(drawn[axis]).map((value) => times * value)
+    drawn[axis] = drawn[axis].map((value) => times * value)
     const high = times * Math.max(...all), low = times * Math.min(...all), room = 0.06 * (high - low || 1)
     chart[side] = `${AXES[name]} (${prefix}${unit})`
     chart.range(axis, { start: low - room, end: high + room })
@@ -116,7 +106,7 @@ function drawOwn(run) {
 }
 
 // The run over the same quantity; an area over friction up to the first slip
-function alongRun(run, { over }, main) {
+function alongRun(run, { over, main }) {
   const { from, to } = run.part(over === "L" || over === "delta")
   const slip = run.curves.slip.findIndex((slipped, k) => slipped && k >= from)
   const end = over === "F" && slip > 0 ? Math.min(slip, to) : to
@@ -129,21 +119,11 @@ function describe() {
   const { laid } = me
   for (const element of by("laid").querySelectorAll(".set")) element.hidden = !laid
   if (!laid) return by("laid-says").replaceChildren()
-  const { curve, apart, name } = laid, main = mainOf(curve), says = [make("i", {}, "○ "), `${name}, ${curve.kind}: `]
+  const { curve, apart, name } = laid, says = [make("i", {}, "○ "), `${name}, ${curve.kind}: `]
   by("laid-path").hidden = !apart?.path
   if (!apart) says.push("comparing …")
-  else if (apart.path) says.push(`this run has no ${MISSING[apart.path]}.`)
   else if (apart.why) says.push(`${apart.why}.`)
-  else {
-    const { rms, noise, outside, points: all, low, high, units, set } = apart
-    says.push(make("b", {}, `rms difference ${digits(rms[main], 2)} ${UNITS[units[main]] ?? units[main]}`),
-      overForce(curve) ? "" : ` (${fixed(low, 1)} to ${fixed(high, 1)} nm)`,
-      `, ${digits(rms[main] / noise[main], 2)} times the noise`,
-      outside ? `; ${outside} of ${all} points lie beyond the run` : "", ".")
-    const [times, plus] = set[main], zero = set[curve.over][1]
-    if (curve.units[main] === "N") says.push(` Drawn: ${main} × ${digits(times)} N/m per N + ${digits(plus)} N/m.`)
-    if (zero && !overForce(curve)) says.push(` Drawn: ${AXES[curve.over]} + ${fixed(zero, 1)} nm.`)
-  }
+  else says.push(make("b", {}, apart.near), apart.says)
   by("laid-says").replaceChildren(...says)
   by("laid-notes").textContent = [curve.notes, Object.values(curve.units).includes("N") ? TIP : ""].join(" ")
   by("laid-fit").hidden = !(laid.key && one("nav [data-lab=fit]"))

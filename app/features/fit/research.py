@@ -25,8 +25,7 @@ from app.session.orders import LARGEST
 from solver import DataError, fit
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
 from solver.measured.curves import read_measurement
-from solver.measured.measurement import Measurement
-from solver.measured.recording import Recording
+from solver.measured.measurement import Measurement, Recording
 from solver.text import counted
 
 FREE = {  # label: parameter that can be free

@@ -46,7 +46,8 @@ def test_what_a_table_tells_is_filled_in_and_what_it_does_not_tell_is_asked():
     rows = text("Station,Piezo,Signal", U_X, 3.0 * U_X).replace(b"\n", b"\n7,", 31).replace(b"7,", b"7,", 1)
     seen, curve = look(Scene(), rows, Chosen())
     assert curve is None and seen["kind"] == "" and "kind of data" in seen["why"]
-    assert seen["table"]["names"] == ["Station", "Piezo", "Signal"] and seen["table"]["rows"] == 31
+    assert [column["name"] for column in seen["table"]["columns"]] == ["Station", "Piezo", "Signal"]
+    assert seen["table"]["rows"] == 31
     seen, curve = look(Scene(), rows, Chosen(kind="load"))
     assert curve is None and seen["columns"] == {"delta": 1} and "column of L" in seen["why"]
     chosen = {"kind": "load", "columns": {"delta": 1, "L": 2}}
@@ -144,7 +145,7 @@ def test_a_loop_that_is_read_as_one_pull_names_the_kind_to_choose():
 def test_tables_of_one_file_are_offered_and_the_chosen_one_is_read():
     both = b"\n\n".join([FRICTION, text("U_x (nm),F (N/m)", U_X, 5.0 * U_X)])
     seen, curve = look(Scene(), both, Chosen())
-    named = {"1": "table from line 2", "2": "table from line 35", "all": "all, as one table"}
+    named = {"1": "from line 2", "2": "from line 35", "3": "all"}
     assert curve is None and seen["channels"] == named
     _, curve = look(Scene(), both, Chosen(channel="2"))
     assert curve.segments[0].values["F"][-1] == pytest.approx(30.0)

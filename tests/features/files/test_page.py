@@ -174,7 +174,7 @@ def test_pages_of_one_table_are_chosen_in_the_menu_of_channels(visit):
     half = [f"{k},{k % 7}" for k in range(80)]
     drop(page, "\n".join(["U_x (nm),F (N/m)", *half[:40], "", "U_x (nm),F (N/m)", *half[40:]]))
     page.locator("#file-why", has_text="2 tables").wait_for()
-    page.get_by_label("channel").select_option("all, as one table")
+    page.get_by_label("channel").select_option("all")
     page.locator("#file-says", has_text="80 points").wait_for()
 
 
