@@ -100,14 +100,16 @@ def not_used(block: Block, used: Sequence[int | None]) -> list[str]:
 def for_user(error: DataError, function: str, source: Any, options: Mapping[str, Any]) -> DataError:
     """The error with the whole call that would read the file: the options as given, and what it asks for.
 
-    function: up to its argument `source`, a path or a content.
+    function: up to its argument `source`, a path or a content. A role that it asks for as None is left out.
     """
     if error.call:
         path = isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source)
         error.function = function + (json.dumps(str(source), ensure_ascii=False) if path else "source")
         own = {name: value for name, value in options.items() if value is not None and value != {}}
         for name in own.keys() & error.call.keys() & {"columns", "units", "sign"}:
-            unclear = {role: value for role, value in error.call[name].items() if value is ...}
-            error.call[name] = {**error.call[name], **own[name], **unclear}
+            wanted = error.call[name]
+            unclear = {role: value for role, value in wanted.items() if value is ...}
+            merged = {**wanted, **own[name], **unclear}
+            error.call[name] = {role: value for role, value in merged.items() if wanted.get(role, ...) is not None}
         error.call = own | error.call
     return error

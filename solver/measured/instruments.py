@@ -63,8 +63,8 @@ def read_line(
         names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
         raise DataError(f"the file names {names}, as in unit='{'1 ' * bool(found)}um'", call={"unit": ...})
     nm, _ = measure(found) if unit is None else agreed(unit, found)
-    heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan) * nm
-    heights[np.abs(heights) > MISSING] = np.nan
+    heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan)
+    heights = np.where(np.abs(heights) > MISSING / nm, np.nan, heights) * nm
     sizes, z, where = surface.physical_sizes, heights, "line"
     if heights.ndim == 2:
         where, z, sizes = _of_map(heights, sizes, line)

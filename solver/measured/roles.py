@@ -195,7 +195,9 @@ class Roles:
         own, allowed = column.unit, UNITS_OF[name]
         if role.endswith("_bar"):
             if unit := wanted or (own if own and named_unit(own) else None):
-                call = {} if wanted or role in self.given else {"columns": {name: called(self.table, self.of[name])}}
+                call = {} if wanted else {"columns": {name: called(self.table, self.of[name])}}
+                if call and role in self.given:
+                    call["columns"][role] = None
                 remedy = f"{'leave it out, or ' * bool(wanted)}give the column as {name}"
                 raise DataError(f"{role} has no unit, and {unit} is one; {remedy}", table=self.table, call=call)
             return 1.0, "w" if name == "A" else "w E"

@@ -28,7 +28,7 @@ CONTRADICTED = [  # (function, heading, arguments, what the refusal says)
     (curve, "U_x (s),F (N)", {"units": {"U_x": "nm"}}, 'names s; say what 1 s is, as "10 nm"'),
     (curve, "U_x (nm),A (nm)", {"units": {"A": "A_0"}}, "units['A'] = 'A_0', but the file names nm; leave it out"),
     (curve, "U_x (nm),F_bar (N/m)", {}, "F_bar has no unit, and N/m is one; give the column as F; call"),
-    (curve, "U_x (nm),Force (N)", {"columns": {"F_bar": 2}}, "F_bar has no unit, and N is one"),
+    (curve, "U_x (nm),Force (N)", {"columns": {"F_bar": 2}}, "and N is one; give the column as F; call"),
     (curve, "U_x (nm),F_bar", {"units": {"F": "N"}}, "F_bar has no unit, and N is one"),
     (curve, "U_x (nm),F (N/m)", {"force": 1e3}, "force = 1000, but F is in N/m; leave force out"),
     (curve, "U_x (nm),F", {"units": {"F": "mN"}, "force": 1e3}, "force = 1000, but F is in mN; leave force out"),
@@ -129,3 +129,10 @@ def test_a_stiffness_that_the_file_names_is_in_the_call_and_a_note_and_another_o
     found = read_measurement(Scene(), approach("height (nm),Fn (nN)"), deflection=4.0)
     assert "deflection = 4 N/m, as given; the file says spring constant = 0.5 N/m." in found.notes
     assert not read_measurement(Scene(), approach("separation (nm),Fn (nN)")).notes
+
+
+@pytest.mark.parametrize("columns", [{"F_bar": 2}, {"U_x": 1, "F_bar": 2}])
+def test_the_call_for_a_force_that_was_given_as_one_without_a_unit_reads_the_file(columns):
+    with pytest.raises(DataError) as refused:
+        curve("U_x (nm),Force (N/m)", columns=columns)
+    assert curve("U_x (nm),Force (N/m)", **refused.value.call).unit == pytest.approx(Scene().width * Scene().E)
