@@ -63,7 +63,7 @@ def read_line(
         names = f"the unit {found!r}; give what 1 is" if found else "no unit of length; give it"
         raise DataError(f"the file names {names}, as in unit='{'1 ' * bool(found)}um'", call={"unit": ...})
     nm, _ = measure(found) if unit is None else agreed(unit, found)
-    heights = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan)
+    heights: NDArray[np.float64] = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan)
     heights = np.where(np.abs(heights) > MISSING / nm, np.nan, heights) * nm
     sizes, z, where = surface.physical_sizes, heights, "line"
     if heights.ndim == 2:
