@@ -2,14 +2,13 @@
 // that are marked draw together: words soon, pictures once in an animation frame, so that all of them are seen.
 
 import { chartsWait, paintCharts } from "./charts.js"
-import { root } from "./dom.js"
+import { by, root } from "./dom.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
 export const alone = "alone" in root.dataset // a Result that is played, without a server (app/stage.py)
 // Whether a part of *More* is in sight: of the page, or because the tour shows it at this stop
-const { dataset } = root
-export const sees = (part) => "more" in dataset || me.shows === part
+export const sees = (part) => by("more").ariaPressed === "true" || me.shows === part
 export const declared = {} // what Python declares, as main.js receives it
 
 // {name: {give(), take(what was given)}}: what features carry over when the page is loaded again as it was
