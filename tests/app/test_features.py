@@ -289,7 +289,7 @@ def lines(files):
     return sum(text.count("\n") for text in files.values())
 
 
-MOST, MOST_FIRST = 8030, 4825  # lines; 60 more since an Experiment runs in notebooks. Wanted are 6,400 and 4,000
+MOST, MOST_FIRST = 7975, 4775  # lines; wanted are 6,400 and 4,000
 LARGER = {"files": 1095, "tour": 520}  # lines of features that are to become smaller
 
 

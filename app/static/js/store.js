@@ -41,7 +41,6 @@ export function declare(values) {
     if (name in fields) throw new TypeError(`the field ${name} is declared twice`)
     fields[name] = values[name]
     watchers[name] = []
-    defineField(name)
   }
 }
 
@@ -75,14 +74,8 @@ export function set(values) {
   }
 }
 
-// A field that is not declared cannot be set
-const refused = (_, name) => { throw new TypeError(`${String(name)} is no field of the store`) }
-export const me = Object.create(new Proxy({}, { set: refused }))
-const defineField = (name) => Object.defineProperty(me, name, { get: () => fields[name],
-  set: (value) => { set({ [name]: value }) }, enumerable: true })
-Object.keys(fields).forEach(defineField)
-// whether something is not drawn yet, for tests
-Object.defineProperty(me, "fresh", { get: () => viewing || painting })
+export const me = new Proxy(fields, { set: (_, name, value) => { set({ [name]: value }); return true } })
+Object.defineProperty(fields, "fresh", { get: () => viewing || painting }) // something is not drawn yet, for tests
 globalThis.punch ??= me // for the console, and for tests
 root.punch = me
 
