@@ -68,12 +68,12 @@ def test_more_adds_its_parts_at_once_and_takes_them_away_again(look):
 @pytest.mark.thorough
 def test_more_is_remembered_and_is_part_of_a_shared_link(server, first_visit):
     page = first_visit()
-    assert not page.evaluate("'more' in document.documentElement.dataset")
+    assert not page.evaluate("document.getElementById('more').ariaPressed === 'true'")
     page.get_by_role("button", name="More").click()
     from_menu(page, "#take")
     page.wait_for_function("document.getElementById('share-link').value.includes('more=1')")
     page.goto(server.address)
-    assert page.evaluate("'more' in document.documentElement.dataset")
+    assert page.evaluate("document.getElementById('more').ariaPressed === 'true'")
 
 
 @pytest.mark.thorough

@@ -88,7 +88,7 @@ AS_OPENED = """([search, wanted]) => {
     if (by("speed").value !== usual) change(by("speed"), { value: usual })
     if (dataset.theme !== wanted.theme) by("theme").click()
     if ((dataset.view === "projector") !== (wanted.view === "projector")) by("projector").click()
-    if (("more" in dataset) !== (wanted.more === "1")) by("more").click()
+    if ((by("more").ariaPressed === "true") !== (wanted.more === "1")) by("more").click()
     by("lens").dispatchEvent(new MouseEvent("dblclick")) // back to where it is by itself
     document.activeElement.blur()
     Object.assign(punch, { following: true, preview: null, place: null, speed: Number(usual), rests: 400 })

@@ -6,7 +6,7 @@ import { fixed, named, spoken, withUnit } from "../../static/js/quantities.js"
 import { frame, me, view } from "../../static/js/store.js"
 
 export function connect() {
-  by("computed").after(make("p", { id: "increment" }))
+  by("computed").after(make("p", { id: "increment", className: "extra" }))
   frame(["picture"], tellFrame)
   view(["picture", "said", "playing", "dragging"], tellSummary)
 }

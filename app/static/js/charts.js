@@ -8,7 +8,7 @@ export const CURVES = ["forces", "area"] // over the path; features may add one
 export const charts = {} // {name: Chart}
 globalThis.charts ??= charts // for the console, and for tests
 root.charts = charts
-const DASHED = [6, 4]
+export const DASHED = [6, 4]
 const SLIP = { kind: "marks", marker: "diamond", size: 9, ink: "--slip", hollow: true } // hollow: peaks stay visible
 export const none = { x: [], y: [] }
 // A further part of a chart, painted before the one named `before`, else last
@@ -52,11 +52,6 @@ export function makeCharts(nodes) {
     ghost_A: line("--ghost", { width: 3 }), A: line("--area", { width: 2 }),
     slips: { ...SLIP, ...none }, ways: ways(), cursor: cursor(),
   } })
-}
-
-// Dashes of the load, but where both ways of a path would fill each other's gaps
-export const dashLoad = (dashed) => {
-  for (const name of ["L", "ghost_L"]) charts.forces.fill(name, { dash: dashed ? DASHED : [] })
 }
 
 // Whether one that is in sight is to be painted

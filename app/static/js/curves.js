@@ -1,6 +1,6 @@
 // The curves of the run on screen, into their charts.
 
-import { charts, CURVES, dashLoad } from "./charts.js"
+import { charts, CURVES, DASHED } from "./charts.js"
 import { all, by, one, tell } from "./dom.js"
 import { differing, digits, fixed, named } from "./quantities.js"
 import { me } from "./store.js"
@@ -115,7 +115,7 @@ function nameAxis(abscissa) {
   const event = abscissa === "delta" ? "jump" : "slip", [, label] = AXES[abscissa]
   for (const word of all(".slips")) word.textContent = event
   const dashed = abscissa !== "delta" // over the same indentation dashes of both ways would fill each other's gaps
-  dashLoad(dashed)
+  for (const name of ["L", "ghost_L"]) charts.forces.fill(name, { dash: dashed ? DASHED : [] })
   one("main .forces .key > :nth-child(2) .line").classList.toggle("dashed", dashed)
   for (const name of CURVES) charts[name].across = label
 }

@@ -3,7 +3,7 @@
 import { drawBands } from "./bands.js"
 import { charts } from "./charts.js"
 import { drawCurves } from "./curves.js"
-import { by, one } from "./dom.js"
+import { by } from "./dom.js"
 import { isPlayed } from "./player.js"
 import { drawFrame, fitFrames } from "./punch.js"
 import { cost, frame, me, memory, set, touch } from "./store.js"
@@ -69,6 +69,5 @@ function drawPunch() {
   const { run, k } = me.picture
   charts.punch.changed = true
   if (run !== me.run) return
-  if (me.drawn < 0) one(".page").dataset.drawn = "" // figures come into sight
   me.drawn = k
 }

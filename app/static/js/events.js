@@ -2,8 +2,6 @@
 
 export const AFTER = 1.0 // nm of the path for which a slip is what happens
 
-const sliding = (run) => (slipped, i) => slipped && i > Math.max(0, run.sheared) && run.stage(i) === "shear"
-
 // Where the slip that led to frame `at` begins, as the solver located it: {at, U (nm), F and L (N/m), A (nm)}; null
 // where there is no slip
 export function eventOf(run, at) {
@@ -11,8 +9,8 @@ export function eventOf(run, at) {
   const { slip_at: load, F_slip, L_slip, slip_A } = run.curves
   return { at, U: load[at], F: F_slip[at], L: L_slip[at], A: slip_A[at] * 2 * run.head.middle }
 }
-export const firstSlip = (run) => eventOf(run, run.curves.slip.findIndex(sliding(run)))
 
-// The same, of any stage after the approach on a path through points
-export const firstOfPath = (run) => (run.head.abscissa !== "path" ? firstSlip(run)
-  : eventOf(run, run.curves.slip.findIndex((slipped, i) => slipped && i > Math.max(0, run.sheared))))
+// The first slip of the shear; of any stage after the approach where `all` of them count
+export const firstSlip = (run, all = false) => eventOf(run, run.curves.slip.findIndex((slipped, i) => (
+  slipped && i > Math.max(0, run.sheared) && (all || run.stage(i) === "shear"))))
+export const firstOfPath = (run) => firstSlip(run, run.head.abscissa === "path")

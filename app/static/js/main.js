@@ -19,10 +19,7 @@ export const again = redraw // everything, in other colours
 
 // What the server declares: looks {preset: text}, usual {preset: values}, nodes {state: how it is drawn}, positions
 // {slider: values} and reach (of server_log.py)
-let started = false
 export function start() {
-  if (started) return // the document starts it as early as it can, and again once all is here
-  started = true
   Object.assign(declared, JSON.parse(by("declarations").textContent))
   makeCharts(declared.nodes)
   connectCurves()

@@ -8,7 +8,9 @@ export async function unpackLater({ body, ...message }) {
   const changes = await inflated(rest), { kept } = head, count = head.columns.length * head.frames
   const curves = curvesOf(new Int32Array(changes, 0, count), head.frames)
   const few = fieldsOf(new Int16Array(changes, curves.byteLength), kept.frames.length, kept.nodes.length)
-  return { ...message, ...chunkOf(head, curves, filledIn(few, kept, head)) }
+  const fields = filledIn(few, kept, head)
+  return { ...message, head, columns: named(head.columns, curves, head.frames),
+    fields: named(Object.keys(head.scales), fields, head.frames * head.nodes) }
 }
 
 // What was deflated, an ArrayBuffer, in a while
@@ -17,14 +19,6 @@ export const inflated = (bytes) =>
 
 const named = (names, numbers, size) =>
   Object.fromEntries(names.map((name, k) => [name, numbers.subarray(k * size, (k + 1) * size)]))
-
-function chunkOf(head, curves, fields) {
-  return {
-    head,
-    columns: named(head.columns, curves, head.frames),
-    fields: named(Object.keys(head.scales), fields, head.frames * head.nodes),
-  }
-}
 
 // Columns from their changes over frames (packing.compressed)
 function curvesOf(changes, frames) {

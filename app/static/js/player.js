@@ -19,7 +19,7 @@ export function connect() {
   view(["run"], () => { by("play").disabled = !me.run })
   view(["dragging"], () => {
     clearTimeout(completing)
-    if (!me.dragging && me.run?.few) completing = setTimeout(complete, AFTERWARDS)
+    completing = setTimeout(() => { if (!me.dragging && me.run?.few) showPredicted(false) }, AFTERWARDS)
   })
 }
 
@@ -56,7 +56,6 @@ export function framed() {
 }
 
 let predicted = null, count = 0 // the skeleton of the last prediction; how many runs were made of them
-const complete = () => { if (me.run?.few) showPredicted(false) }
 const AFTERWARDS = 50 // ms after a slider is let go, which is on screen by then, until all increments are computed
 const MEASURED = 60 // increments of a prediction that the axes are fitted to, beside those at slips
 let completing = 0

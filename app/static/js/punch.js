@@ -82,8 +82,8 @@ const seen = ({ head: { flat, spacing } }, half) => (flat ? Math.min(half, SITES
 export function fitFrames(run) {
   if (me.dragging) return
   const { punch } = charts, { flat } = run.head, half = run.apart ? reach.half : reachOf(run)
-  const { dataset } = one(".page"), others = dataset.flat !== `${flat}`
-  dataset.flat = flat
+  const key = one(".flat"), others = !me.charted || key.hidden === flat
+  key.hidden = !flat
   if (others) change() // other views are in sight
   const spare = flat || others ? 0 : TAIL
   const wide = settled(punch.x.end, seen(run, half), spare)

@@ -87,10 +87,7 @@ export class Run extends Frames {
     this.reach = Math.max(this.reach, ...ends)
   }
 
-  weigh(k) {
-    const most = Math.max(Math.abs(this.curves.F[k]), Math.abs(this.curves.L[k]))
-    this.strongest = Math.max(this.strongest, most)
-  }
+  weigh(k) { this.strongest = Math.max(this.strongest, Math.abs(this.curves.F[k]), Math.abs(this.curves.L[k])) }
 
   values(k) { return Object.fromEntries(Object.entries(this.curves).map(([name, curve]) => [name, curve[k]])) }
 
@@ -182,8 +179,7 @@ export class Run extends Frames {
   slips(name, stage = null, approach = false) {
     const { slip, slip_at, stage: stages } = this.curves, { from, to } = this.part(approach)
     const frames = this.frames((k) => slip[k] && k >= from && k < to && (stage === null || stages[k] === stage))
-    return [frames.map((k) => slip_at[k]),
-      frames.map((k) => this.curves[name][Math.max(k - 1, from)])]
+    return [frames.map((k) => slip_at[k]), frames.map((k) => this.curves[name][Math.max(k - 1, from)])]
   }
 
   // The frame nearest to a place along the path, nm, in the part of frame `now`; of several the one closest to it

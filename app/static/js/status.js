@@ -74,7 +74,7 @@ function checkTruth() {
   tell(by("stale"), me.lost && me.stale ? `The picture is that of ${values || "the scene before"}.` : "")
   const stale = outOfDate(me.picture?.run), mixed = outOfDate(me.charted)
   one(".hero").ariaBusy = stale
-  for (const figure of all(".views > figure")) figure.ariaBusy = mixed
+  for (const figure of all(".curves > figure")) figure.ariaBusy = mixed
 }
 
 const LONG = 3 // s of computing after which a run says what it does, and may be skipped

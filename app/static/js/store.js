@@ -2,14 +2,13 @@
 // that are marked draw together: words soon, pictures once in an animation frame, so that all of them are seen.
 
 import { chartsWait, paintCharts } from "./charts.js"
-import { root } from "./dom.js"
+import { by, root } from "./dom.js"
 
 export const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches
 export const embedded = new URLSearchParams(location.search).get("embed") === "1" // in a page of somebody else's
 export const alone = "alone" in root.dataset // a Result that is played, without a server (app/stage.py)
 // Whether a part of *More* is in sight: of the page, or because the tour shows it at this stop
-const { dataset } = root
-export const sees = (part) => "more" in dataset || me.shows === part
+export const sees = (part) => by("more").ariaPressed === "true" || me.shows === part
 export const declared = {} // what Python declares, as main.js receives it
 
 // {name: {give(), take(what was given)}}: what features carry over when the page is loaded again as it was
@@ -42,7 +41,6 @@ export function declare(values) {
     if (name in fields) throw new TypeError(`the field ${name} is declared twice`)
     fields[name] = values[name]
     watchers[name] = []
-    defineField(name)
   }
 }
 
@@ -76,14 +74,8 @@ export function set(values) {
   }
 }
 
-// A field that is not declared cannot be set
-const refused = (_, name) => { throw new TypeError(`${String(name)} is no field of the store`) }
-export const me = Object.create(new Proxy({}, { set: refused }))
-const defineField = (name) => Object.defineProperty(me, name, { get: () => fields[name],
-  set: (value) => { set({ [name]: value }) }, enumerable: true })
-Object.keys(fields).forEach(defineField)
-// whether something is not drawn yet, for tests
-Object.defineProperty(me, "fresh", { get: () => viewing || painting })
+export const me = new Proxy(fields, { set: (_, name, value) => { set({ [name]: value }); return true } })
+Object.defineProperty(fields, "fresh", { get: () => viewing || painting }) // something is not drawn yet, for tests
 globalThis.punch ??= me // for the console, and for tests
 root.punch = me
 

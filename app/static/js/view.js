@@ -15,7 +15,7 @@ export function project() {
 
 // More in sight than punch, sentence, forces, sliders and Play, or these alone; kept for the next visit
 export function seeMore() {
-  root.toggleAttribute("data-more")
+  by("more").ariaPressed = !sees("more")
   keep("more", sees("more") ? "1" : "0")
   settle()
 }
@@ -38,7 +38,6 @@ function settle() {
 
 function tellButtons() {
   by("projector").setAttribute("aria-pressed", projected())
-  by("more").setAttribute("aria-pressed", sees("more"))
   by("bands").hidden = !sees("bands")
 }
 
@@ -63,7 +62,7 @@ export function connectViews() {
 
 // One of the curves is large
 export function choose(curve) {
-  for (const name of CURVES) one(`.views > .${name}`).toggleAttribute("data-large", name === curve)
+  for (const name of CURVES) one(`.curves > .${name}`).toggleAttribute("data-large", name === curve)
   one(`#chosen [value="${curve}"]`).checked = true
   redraw()
 }
