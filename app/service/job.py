@@ -1,5 +1,6 @@
 """A job: a call for the workers, from the queue to its result."""
 
+import logging
 from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError
 from contextlib import suppress
@@ -12,6 +13,7 @@ from app.service import metrics
 from app.service.packing import Frames
 from app.service.worker import Part
 
+log = logging.getLogger("app")
 ATTEMPTS = 3  # calls that lose their worker, before the job fails
 NOBODY = "the server"  # owner of the jobs that no visitor waits for
 # Purpose of a job: the screen; the exact run of a picture; any that takes long; in the background, a second at most
@@ -63,10 +65,13 @@ class Job(Future):
     def heard(self, part: Any) -> None:
         """Take an item of a generator."""
         self.parts.append(part)
-        self._tell()
+        self.tell()
 
     def returned(self, made: Any) -> bool:
-        """Take what a call has returned, or the Lost of its worker; return whether it must be made again."""
+        """Take what a call has returned, or the Lost of its worker; return whether it must be made again.
+
+        Then `tell` the listeners: after the job is in the queue again, as one that waits may be left.
+        """
         if isinstance(made, Part):
             self.state, self.heavy = (made.state,), made.heavy
             if made.made is not None:
@@ -77,7 +82,6 @@ class Job(Future):
         else:
             with suppress(InvalidStateError):  # nobody waits for it any more
                 self._end(made)
-        self._tell()
         return not self.done()
 
     def _end(self, made):
@@ -95,6 +99,10 @@ class Job(Future):
             metrics.count("slices")
             metrics.count("evaluations", part.evaluations)
 
-    def _tell(self):
+    def tell(self) -> None:
+        """Tell the listeners. An error of one is logged: it concerns neither the others nor the worker."""
         for notify in [*self.listeners]:
-            notify(self)
+            try:
+                notify(self)
+            except Exception:
+                log.exception("a listener of a job failed")

@@ -109,11 +109,12 @@ class Pool:
         """Add a job to the queue, and return it."""
         self.start()
         with self._lock:
-            if takes := not (self._closing.is_set() or self.why):
+            takes = not (self._closing.is_set() or self.why)
+            if takes and not job.done():
                 self._queue.add(job)
                 self._dispatch()
         if not takes:
-            job.returned(Lost("closed", self.why or STOPPED))
+            self._pass_on(job, Lost("closed", self.why or STOPPED))
         return job
 
     def move_up(self, job: Job, owner: object, rank: int) -> None:
@@ -123,6 +124,7 @@ class Pool:
             job.owner, job.rank = owner, rank
             if waits:
                 self._queue.add(job)
+                self._dispatch()
 
     def abandon(self, job: Job) -> None:
         """Cancel a job. One that waits leaves the queue at once, and what a running one returns is ignored.
@@ -183,7 +185,7 @@ class Pool:
         for caller in callers:
             caller.end()
         for job in waiting:
-            job.returned(Lost("closed", STOPPED))
+            self._pass_on(job, Lost("closed", STOPPED))
 
     def _dispatch(self):
         """Give the next jobs to idle workers."""
@@ -260,8 +262,13 @@ class Pool:
             slot.job = job.slot = None
             self._answered = monotonic()
         metrics.count("tasks")
+        self._pass_on(job, made)
+
+    def _pass_on(self, job, made):
+        """Give a job what its call has returned, or the Lost of its worker."""
         if not job.done() and job.returned(made):
             self.submit(job)
+        job.tell()
 
     def _worker_lost(self, slot, lost):
         """Handle a worker that ended or did not start: its job is told; after STARTS failures all waiting jobs fail."""
@@ -289,11 +296,10 @@ class Pool:
                 self.why = getattr(self.make, "why", "no worker process can be started; the server's log says why")
                 waiting, self._queue = self._queue, FairQueue()
         for other in waiting:
-            other.returned(Lost("closed", self.why))
+            self._pass_on(other, Lost("closed", self.why))
         if job:
             metrics.count("tasks_lost")
-            if not job.done() and job.returned(lost):
-                self.submit(job)
+            self._pass_on(job, lost)
 
 
 def made() -> Pool:

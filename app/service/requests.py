@@ -56,7 +56,7 @@ class Requests:
             self.session.jobs.leave(self._jobs.popitem()[1], self._on_news)
 
     def _on_news(self, job: Job) -> None:
-        if job.done():
+        if job.done() and not job.cancelled():
             self.session.later(partial(self._answered, job.call, job.outcome))
 
     def _answered(self, call: Call, result: Any) -> None:

@@ -42,7 +42,7 @@ WALKED = 200  # most points of a period
 TRIED, FARTHEST, SURE = 0.01, 0.1, 1e-9
 TRIES = 40  # of such steps
 PAST = 3e-3  # of the parameter: so far beyond, a run shows whether the surface slips; nearer the jump it is soft
-SLIPPING = 0.97, 0.9, 0.7, 0.4  # of the parameter: scenes that may slip where one slides smoothly
+SLIPPING = 0.9, 0.5, 0.2  # of E: scenes that may slip where one slides smoothly
 
 
 class Beyond(Lost):
@@ -119,14 +119,14 @@ class _Search:
     def found(self, run) -> State:
         """The State at the boundary, from a Scene or its Skeleton; raises Lost."""
         scene = run.scene if isinstance(run, Skeleton) else run
-        if scene.delta >= 0.0 or scene.hold == "load":
+        if self.name != "E" or scene.delta >= 0.0 or scene.hold == "load":  # phi_ratio hardly moves the jump
             return self.by_cusp(run)
         run = run if isinstance(run, Skeleton) else skeleton_of(run)
         slips = run.branches[-1].slip is not None
         state = entry = self.entry(run) if slips and run.trace.jumps else None
         try:
             state = self.by_cusp(run)
-        except (Lost, NotFollowed, np.linalg.LinAlgError):
+        except (Lost, NotFollowed, NotConverged, SceneError, np.linalg.LinAlgError):
             if slips and entry is None:
                 raise
         if state is None:
@@ -135,8 +135,8 @@ class _Search:
             state = entry
         if slips and state is not entry:
             return state
-        beyond = state.moved(self.name, 0.0, 0.0, self.way * PAST).scene
-        return self.found(skeleton_of(beyond)) if self.slips(beyond) else state
+        beyond = state.moved(self.name, 0.0, 0.0, PAST).scene
+        return self.found(skeleton_of(beyond)) if self.within[1] >= beyond.E and self.slips(beyond) else state
 
     def slips(self, scene) -> bool:
         """Whether the surface slips in the shear of a scene's run."""
@@ -145,15 +145,15 @@ class _Search:
         return bool(frame.slips)
 
     def slipping(self, scene) -> Scene:
-        """A scene less smooth than this one, in which the surface slips; raises Lost."""
-        for part in SLIPPING:
-            other = scene.changed(**{self.name: getattr(scene, self.name) * part**self.way})
-            if self.slips(other):
+        """A scene of smaller E in which the surface slips; raises Lost."""
+        values = [scene.E * part for part in SLIPPING if scene.E * part >= self.within[0]]
+        for E in values:
+            if self.slips(other := scene.changed(E=E)):
                 return other
-        raise Lost("the surface does not slip for other values either")
+        raise Lost(f"the surface slides smoothly at E = {', '.join(f'{E:.4g}' for E in values) or scene.E}, too")
 
     def entry(self, skeleton) -> State | None:
-        """The State in which the surface jumps into contact at delta; None if the jump is lost, or out of range."""
+        """The State in which the surface jumps into contact at delta, at a larger E; None if there is none in range."""
         scene, step = skeleton.scene, self.way * TRIED
         jump: Any = skeleton.trace.jumps[-1]
         before = None  # (log p, delta of the jump)
@@ -170,14 +170,11 @@ class _Search:
                 step = (scene.delta - there[1]) * (there[0] - before[0]) / (there[1] - before[1])
             state = State(scene, skeleton.first, jump.v, np.nan, jump.phi)
             if abs(step) < SURE:
-                return state
+                return state if self.way * (self.value(state) - self.value(skeleton)) > 0.0 else None
             before, step = there, float(np.clip(step, -FARTHEST, FARTHEST))
-            try:
-                scene = state.moved(self.name, 0.0, 0.0, step).scene
-            except Lost:
+            if not self.within[0] <= getattr(scene, self.name) * np.exp(step) <= self.within[1]:
                 return None
-            if not self.within[0] <= getattr(scene, self.name) <= self.within[1]:
-                return None
+            scene = state.moved(self.name, 0.0, 0.0, step).scene
         return None
 
     def by_cusp(self, run) -> State:

@@ -100,7 +100,8 @@ def not_used(block: Block, used: Sequence[int | None]) -> list[str]:
 def for_user(error: DataError, function: str, source: Any, options: Mapping[str, Any]) -> DataError:
     """The error with the whole call that would read the file: the options as given, and what it asks for.
 
-    function: up to its argument `source`, a path or a content. A role that it asks for as None is left out.
+    function: up to its argument `source`, a path or a content. A role that was given, and that it
+    asks for as None, is left out.
     """
     if error.call:
         path = isinstance(source, PathLike) or (isinstance(source, str) and "\n" not in source)
@@ -110,6 +111,7 @@ def for_user(error: DataError, function: str, source: Any, options: Mapping[str,
             wanted = error.call[name]
             unclear = {role: value for role, value in wanted.items() if value is ...}
             merged = {**wanted, **own[name], **unclear}
-            error.call[name] = {role: value for role, value in merged.items() if wanted.get(role, ...) is not None}
+            refused = {role for role, value in wanted.items() if value is None and own[name].get(role) is not None}
+            error.call[name] = {role: value for role, value in merged.items() if role not in refused}
         error.call = own | error.call
     return error

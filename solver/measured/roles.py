@@ -36,7 +36,7 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
-BESIDE_MEASURED = {"height": ("height", "heightmeasured"), "gap": NAMED["gap"][:-1]}  # the others are of the piezo
+FIRST = {name: NAMED[name][:-1] for name in ("height", "gap")}  # beside one of them those of the piezo do not count
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 MEANT = {  # over one of, one of; the first that a heading names is meant
@@ -81,8 +81,8 @@ class Roles:
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
         self.table, self.how = table, how
         known, self.headings = recognised(table, NAMED)
-        if any(plain(column.name) == "heightmeasured" for column in table.columns):
-            known, _ = recognised(table, NAMED | BESIDE_MEASURED)
+        if {plain(column.name) for column in table.columns} & {*FIRST["height"], *FIRST["gap"]}:
+            known, _ = recognised(table, NAMED | FIRST)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
         free = {role: k for role, k in known.items() if k not in self.given.values()}
@@ -127,7 +127,7 @@ class Roles:
                 continue
             if not kind and found == "friction" and y[0] == "force" and x[0] not in {"U_x", *timed}:
                 continue
-            if not kind and found != "friction" and "displacement" in x:  # a machine's may be that of a press
+            if not kind and found != "friction" and x[0] == "displacement":  # a machine's may be that of a press
                 continue
             if not kind and found == "load" and along and not over and sliding is None:
                 continue

@@ -152,10 +152,11 @@ def _chosen(parts, channel):
     """([parts] that are read, (a note on what is left out)); several are one where each names its segment."""
     long = [part for part in parts if part[1].size >= LONGEST] or [max(parts, key=lambda part: part[1].size)]
     together = len(long) > 1 and all(segment for segment, _ in long)
+    if channel == "all":
+        return long, ()
     if channel is not None or (len(long) > 1 and not together):
-        names = [f"from line {at[0] + 1}" for _, at in long]
-        k = index_of([*names, *["all"] * (len(long) > 1)], channel, f"{len(long)} tables")
-        return long[k : k + 1] or long, ()
+        k = index_of([f"from line {at[0] + 1}" for _, at in long], channel, f"{len(long)} tables", ["all"])
+        return long[k : k + 1], ()
     later = [at for _, at in parts if at[0] > long[-1][1][0] and at.size > 1]
     return long, tuple(f"line {at[0] + 1} begins another table: left out." for at in later[:1])
 
@@ -217,11 +218,14 @@ def _cells(texts, layout, width, rows):
     return cells
 
 
-def index_of(names: Sequence[str], channel: str | int | None, what: str) -> int:
-    """The index of the channel that is asked for, by its name or number from 1 on; of several one must be."""
-    shown = ", ".join(f"{k} {name!r}" for k, name in enumerate(names[:12], 1))
+def index_of(names: Sequence[str], channel: str | int | None, what: str, others: Sequence[str] = ()) -> int:
+    """The index of the channel that is asked for, by its name or number from 1 on; of several one must be.
+
+    others: further words that a caller takes.
+    """
+    shown = ", ".join([f"{k} {name!r}" for k, name in enumerate(names[:12], 1)] + [repr(other) for other in others])
     if channel is None and len(names) > 1:
-        choices = {f"{k}": name for k, name in enumerate(names, 1)}
+        choices = {f"{k}": name for k, name in enumerate(names, 1)} | {other: other for other in others}
         raise DataError(f"{what}: {shown}", call={"channel": ...}, choices=choices)
     wanted = 1 if channel is None else channel
     at = names.index(wanted) if wanted in names else int(wanted) - 1 if str(wanted).isdigit() else -1

@@ -67,6 +67,26 @@ def test_equal_requests_of_visitors_are_computed_once(jobs, given, answer, seen)
     assert seen == [3, 3, 3] and len(given) == 1
 
 
+def test_a_visitor_whose_part_fails_keeps_no_result_from_others(jobs, given, answer, seen, caplog):
+    def fail(job):
+        raise ZeroDivisionError("a mistake")
+
+    jobs.start(CALL, fail, owner="one")
+    requests(jobs, seen).add([CALL])
+    answer(Part(0, 1))
+    answer(2)
+    assert seen == [3] and len(given) == 2 and "a mistake" in caplog.text
+
+
+def test_who_leaves_while_a_result_comes_is_told_nothing(jobs, given, answer, seen):
+    mine = requests(jobs, seen)
+    mine.add([CALL])
+    (told,) = given[0].listeners
+    mine.cancel()
+    told(given[0])  # the thread of the worker had this listener already
+    assert given[0].cancelled() and seen == []
+
+
 def test_a_shared_call_is_cancelled_when_its_last_visitor_leaves(jobs, given, answer):
     first, second = requests(jobs), requests(jobs)
     for each in (first, second):

@@ -233,6 +233,22 @@ def test_expensive_tasks_leave_a_worker_for_quick_ones(rank, quick):
     workers.close()
 
 
+@pytest.mark.once
+def test_a_job_that_moves_up_takes_the_worker_that_was_kept_free(tmp_path):
+    """It waited beside an idle worker until another job ended."""
+    workers, blocks = Pool(size=2), tmp_path / "blocks"
+    blocks.touch()
+    both_at_work(workers)
+    slow = asked(workers, until_removed, blocks, rank=LATER, seconds=PATIENCE)
+    until(lambda: slow.slot)
+    waiting = asked(workers, os.getpid, rank=LATER)
+    assert waiting.waits
+    workers.move_up(waiting, "a visitor", SCREEN)
+    assert waiting.result(PATIENCE) > 0 and not slow.done()
+    blocks.unlink()
+    workers.close()
+
+
 def test_exact_runs_rank_below_visible_tasks_and_above_background_tasks(single, tmp_path):
     done, waiting = [], tmp_path / "waiting"
     waiting.touch()

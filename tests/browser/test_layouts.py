@@ -45,6 +45,7 @@ IGNORED = re.compile(
 )  # fonts that templates of Panel load from elsewhere
 PLAYED = "(root) => root.punch?.run?.whole && root.punch.drawn > 0 && !root.punch.fresh"
 PICTURE = "(root) => root.charts.punch.canvas.toDataURL()"
+LARGE = "(root) => root.clientWidth > 500 && root.clientHeight > 400"
 
 
 @pytest.fixture
@@ -108,8 +109,8 @@ def test_a_stage_is_drawn_and_played_in_a_layout(name, visit, served, tmp_path):
     assert themes == 2 * ["dark" if "dark" in name else "light"]
     scenes = roots.evaluate_all("(all) => all.map((root) => root.punch.run.scene.E)")
     assert sorted(scenes) == [60.0, 120.0]  # each has a store of its own
-    sizes = roots.evaluate_all("(all) => all.map((root) => [root.clientWidth, root.clientHeight])")
-    assert all(width > 500 and height > 400 for width, height in sizes)
+    for k in range(2):  # a template gives its width late
+        page.wait_for_function(LARGE, arg=roots.nth(k).element_handle())
     for part in ("header", ".controls", "#slow"):  # of a Result that is played
         assert not roots.first.locator(part).first.is_visible()
 

@@ -153,6 +153,7 @@ class NoPool:
     def answer(self, job, made):
         if job.returned(made):
             self.submit(job)
+        job.tell()
 
     def does(self, job):
         self.answer(job, job.call[0](*job.call[1:], *job.state))

@@ -63,6 +63,12 @@ def test_under_tension_slips_end_where_the_surface_no_longer_jumps_into_contact(
     assert drawn.L < 2.0 * apart.L < 0.0
 
 
+def test_a_jump_that_comes_later_for_more_friction_ends_no_slips():
+    """It was followed to a larger phi_ratio, where slips remain, without an end."""
+    found = boundary(Scene(E=60.0, nu=0.3, delta_bar=-0.4935), "phi_ratio", within=(0.002, 2.0))
+    assert found.value is None and "beyond phi_ratio = 0.002 .. 2" in found.why
+
+
 def at_rest(scene):
     """The Frame at the end of the approach."""
     return next(frame for frame in load_path(scene) if frame.stage == "shear")

@@ -325,11 +325,16 @@ def test_several_tables_are_asked_for():
     first, second = (table("Time (s),Fx (N/m)", TIMED, k * np.sin(TIMED)) for k in (1.0, 2.0))
     text = f"{first}\n\nStep No. 2\n{second}"
     with pytest.raises(
-        DataError, match=r"^2 tables: 1 'from line 2', 2 'from line 55', 3 'all'; call .*channel=...\)$"
+        DataError, match=r"^2 tables: 1 'from line 2', 2 'from line 55', 'all'; call .*channel=...\)$"
     ) as refused:
         read_measurement(SMALL, text, speed=5.0)
     found = read_measurement(SMALL, text, **filled(refused, channel=2))
     assert found.U_x.size == TIMED.size and found.values["F_bar"] * found.unit == pytest.approx(2.0 * np.sin(TIMED))
+    with pytest.raises(DataError, match="channel = 3: allowed: 1 'from line 2', 2 'from line 55', 'all'; give one"):
+        read_measurement(SMALL, text, speed=5.0, channel=3)
+    with pytest.raises(DataError, match="time goes back"):  # of both as one
+        read_measurement(SMALL, text, speed=5.0, channel="all")
+    assert read_measurement(SMALL, first, speed=5.0, channel="all").U_x.size == TIMED.size
     short = read_measurement(SMALL, f"{first}\n\nStep No. 2\nTime (s),Fx (N/m)\n1,2\n2,3", speed=5.0)
     assert "line 55 begins another table: left out." in short.notes
 

@@ -136,3 +136,13 @@ def test_the_call_for_a_force_that_was_given_as_one_without_a_unit_reads_the_fil
     with pytest.raises(DataError) as refused:
         curve("U_x (nm),Force (N/m)", columns=columns)
     assert curve("U_x (nm),Force (N/m)", **refused.value.call).unit == pytest.approx(Scene().width * Scene().E)
+
+
+def test_the_call_keeps_a_column_that_the_user_has_excluded():
+    """Rows are then counted; with the column x that he does not want the profile is twice as long."""
+    text = "\n".join(["x (foo),z", *(f"{2 * k},{z:.9g}" for k, z in enumerate(Z))])
+    with pytest.raises(DataError) as refused:
+        read_profile(text, columns={"x": None, "z": 2}, units={"x": "2.5 nm"})
+    call = refused.value.call
+    assert call["columns"] == {"x": None, "z": 2}
+    assert read_profile(text, **call | {"units": {"x": "2.5 nm", "z": "nm"}}).length == pytest.approx(640.0, rel=0.01)
