@@ -115,7 +115,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a part of the scenes")
     parser.add_argument("--scenes", nargs="+", type=int, metavar="N", help="only these numbers, without closed forms")
-    parser.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS", help="of one scene; default 120")
+    parser.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS", help="of one scene; default 300")
     parser.add_argument("--jobs", type=int, metavar="N", help="processes; default: one per core")
     arguments = parser.parse_args(argv)
     asked = cases(arguments.quick)

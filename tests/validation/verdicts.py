@@ -24,7 +24,9 @@ from solver.scene import Scene, SceneError
 GOOD = ("converged", "refused", "gave up")  # acceptable verdicts on a scene
 BAD = ("wrong", "non-finite", "warning", "error", "crash", "hang")
 ANSWER = 60.0  # s for one scene, after which its run ends with that reason
-LIMIT = 120.0  # s for one scene, after which it counts as hung; WORK takes a second of force evaluations
+# s for one scene, on the clock, after which it counts as hung: far above ANSWER, which is processor time, and the
+# checks after it, also beside other work; WORK takes a second of force evaluations
+LIMIT = 300.0
 WORK = 2e7  # node evaluations, at 20 to 40 ns each, after which a run is cut short between increments and checked
 SAMPLES = 8  # frames of a scene that are rechecked, besides those that slipped: enough to see every stage of a run
 SLIPS = 4  # frames with slips that are rechecked: more slips of a run repeat these
