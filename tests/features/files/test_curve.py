@@ -145,7 +145,7 @@ def test_a_loop_that_is_read_as_one_pull_names_the_kind_to_choose():
 def test_tables_of_one_file_are_offered_and_the_chosen_one_is_read():
     both = b"\n\n".join([FRICTION, text("U_x (nm),F (N/m)", U_X, 5.0 * U_X)])
     seen, curve = look(Scene(), both, Chosen())
-    named = {"1": "from line 2", "2": "from line 35", "3": "all"}
+    named = {"1": "from line 2", "2": "from line 35", "all": "all"}
     assert curve is None and seen["channels"] == named
     _, curve = look(Scene(), both, Chosen(channel="2"))
     assert curve.segments[0].values["F"][-1] == pytest.approx(30.0)
