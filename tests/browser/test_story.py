@@ -36,6 +36,15 @@ def test_bracket_keys_lead_from_slip_to_slip_and_the_sentence_states_it(look):
     page.wait_for_function(f"() => punch.drawn === {first}")
 
 
+def test_what_differs_from_the_experiment_is_said_with_its_unit(look):
+    page = look("?preset=fig6&E=60&delta_bar=-0.1")
+    page.locator("#look", has_text="changed: ").wait_for()
+    assert {*page.inner_text("#look").removeprefix("changed: ").split(", ")} == {
+        "Press depth = −0.1",
+        "Stiffness = 60 GPa",
+    }
+
+
 def test_the_picture_states_once_and_in_words_how_much_it_enlarges_lean_height_and_lens(look):
     page = look()
     page.wait_for_function("punch.drawn === punch.run.length - 1")

@@ -3,7 +3,7 @@
 import { outdated } from "../../static/js/channel.js"
 import { all, by, on, tell } from "../../static/js/dom.js"
 import { play } from "../../static/js/player.js"
-import { minus } from "../../static/js/quantities.js"
+import { withUnit } from "../../static/js/quantities.js"
 import { restore } from "../../static/js/steer.js"
 import { beginChange, declared, me, reduced, set, view } from "../../static/js/store.js"
 import { changedIn, inWords, titleOf } from "../../static/js/words.js"
@@ -41,6 +41,6 @@ function namePreset() {
 // What to look for, where the scene is still that of the preset
 function presetText() {
   const { preset, address } = me.status
-  const changed = changedIn(address).map((name) => `${inWords(name)} = ${minus(address[name])}`)
+  const changed = changedIn(address).map((name) => `${inWords(name)} = ${withUnit(name, address[name])}`)
   return changed.length ? `changed: ${changed.join(", ")}` : declared.looks[preset]
 }
