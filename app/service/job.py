@@ -48,7 +48,7 @@ class Job(Future):
         self.lost = 0  # calls that were repeated, as their worker ended
         self.heavy = False  # whether the next call may take long
         self.slot: Any = None
-        self.listeners: list[Notify] = []  # are told of each part and of the end, in any thread
+        self.listeners: list[Notify] = []  # called at each part and at the end, in any thread
         self.since = monotonic()  # s: a call has waited as long as its job
         self.queued, self.due = rank, 0.0  # of the queue: rank in it, and when its turn comes, s, monotonic
 

@@ -271,7 +271,7 @@ class Pool:
         job.tell()
 
     def _worker_lost(self, slot, lost):
-        """Handle a worker that ended or did not start: its job is told; after STARTS failures all waiting jobs fail."""
+        """Pass the loss of a worker on to its job; after STARTS failed starts all waiting jobs fail."""
         if slot.caller is not None:
             slot.caller.end()
         with self._lock:

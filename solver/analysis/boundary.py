@@ -4,8 +4,9 @@ The fold at which a slip begins and the fold at which the branch turns again mer
 follows a fold of the scene to its cusp, then walks once over the period just beyond: while there is another fold, it
 follows that one. From a scene that slides smoothly it starts where its branch is least steep.
 
-A surface under tension that jumps into contact near delta may slip only since it did: beyond the value at which the
-jump comes at delta, it stays out of contact and may slide smoothly. Then that value is the boundary.
+Under tension a surface may slip only because it has jumped into contact on approach. A stiffer one jumps later. Where
+the jump would come at delta itself, it stays out of contact. If it slides smoothly there, slips end at this E, without
+a cusp.
 """
 
 from dataclasses import dataclass, field, replace
@@ -130,13 +131,19 @@ class _Search:
             if slips and entry is None:
                 raise
         if state is None:
-            return self.found(skeleton_of(self.slipping(scene)))
+            return self.found(self.skeleton(self.slipping(scene)))
         if entry is not None and self.way * (self.value(entry) - self.value(state)) < 0.0:
             state = entry
         if slips and state is not entry:
             return state
         beyond = state.moved(self.name, 0.0, 0.0, PAST).scene
-        return self.found(skeleton_of(beyond)) if self.within[1] >= beyond.E and self.slips(beyond) else state
+        return self.found(self.skeleton(beyond)) if self.within[1] >= beyond.E and self.slips(beyond) else state
+
+    def skeleton(self, scene) -> Skeleton:
+        """The Skeleton of another scene than that of the search."""
+        made = skeleton_of(scene)
+        self.evaluations += made.evaluations
+        return made
 
     def slips(self, scene) -> bool:
         """Whether the surface slips in the shear of a scene's run."""
@@ -188,9 +195,7 @@ class _Search:
             if isinstance(run, Skeleton) and not run.branches[-1].slip:
                 raise
         value = np.clip(getattr(scene, self.name) * SMOOTH**self.way, *self.within)
-        other = skeleton_of(scene.changed(**{self.name: float(value)}))
-        self.evaluations += other.evaluations
-        return self.lowest(other)
+        return self.lowest(self.skeleton(scene.changed(**{self.name: float(value)})))
 
     def lowest(self, skeleton) -> State:
         """The State at the cusp beyond which sliding is smooth; raises Lost."""

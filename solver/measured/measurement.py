@@ -1,4 +1,4 @@
-"""A measured curve: one stroke of friction cut at its slips, or any curve in segments, of which each goes one way."""
+"""A measured curve: one stroke of friction cut at its slips, or any curve in segments. Each segment goes one way."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class Curve(Recording):
 
     @property
     def main(self) -> str:
-        """The quantity that is drawn over x, and whose difference is told."""
+        """The quantity over x: it is drawn and compared."""
         return next(iter(self.segments[0].values))
 
 
