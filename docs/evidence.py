@@ -4,8 +4,9 @@ Each entry of COMMANDS is one command of the repository. Its standard output is 
 commit, date and processor, and shown on the page; no number is typed in. Benches print single scenes to standard error.
 Entries older than the last change of the solver's numerics are stale; `--stale` lists them and how long they take.
 
-`--all` measures all entries at the present commit, within two hours on two cores. Each is kept as soon as it is
-measured, so that a run that was stopped goes on where it was; one that failed is named and measured by the next run.
+`--all` measures all entries at the present commit, within two hours on two cores: two at a time, the longest first, and
+then one by one those that measure time or have two processes. Each is kept as soon as it is measured, so that a run
+that was stopped goes on where it was; one that failed is named and measured by the next run.
 """
 
 import argparse
@@ -15,8 +16,11 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from datetime import date
+from functools import partial
 from pathlib import Path
+from threading import Lock
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -29,12 +33,20 @@ WRITTEN = {"docs/evidence.json", "docs/evidence.md", "docs/accuracy.png", "app/f
 
 
 class Entry(NamedTuple):
-    """A heading, what the figures show, and the arguments of Python that measure them."""
+    """A heading, what the figures show, and the arguments of Python that measure them.
+
+    alone: whether nothing else may run beside it, as for all of the chapters TIMED.
+    """
 
     chapter: str
     title: str
     meaning: str
     command: tuple[str, ...]
+    alone: bool = False
+
+
+TIMED = {"Performance", "Load"}
+KEEPING = Lock()  # while an entry is written
 
 
 BENCH = "tests/bench/"
@@ -44,6 +56,7 @@ COMMANDS = {
         "Error against run time",
         "The default scene by four methods: error of F, L and A before the first slip, and branches after slips.",
         (BENCH + "curves.py", "--picture", "docs/accuracy.png", "--page"),
+        alone=True,
     ),
     "landings": Entry(
         "Accuracy",
@@ -119,6 +132,7 @@ COMMANDS = {
         "Every eleventh of 2,000 scenes with extreme parameters, rechecked in long double and by dense spectra; closed"
         " forms; round-off of each formula.",
         ("tests/validation/stability.py", "--quick"),
+        alone=True,
     ),
     "jumps": Entry(
         "Robustness",
@@ -137,6 +151,7 @@ COMMANDS = {
         "Frames at rest",
         "Random scenes of the whole range of every parameter: does the fastest mode of every frame decay?",
         (BENCH + "rests.py", "--scenes", "400", "--seed", "1"),
+        alone=True,
     ),
     "damping": Entry(
         "Robustness",
@@ -330,22 +345,34 @@ def main() -> None:
         parser.error(f"--all measures a commit, and {', '.join(edited)} differ from it; commit them first")
     chosen = left(store, origin()["commit"]) if arguments.all else arguments.names
     print(minutes(chosen, store), flush=True)
-    failed = [name for name in chosen if not kept(name, store)]
+    failed = [name for name, well in measure(chosen, store).items() if not well]
     PAGE.write_text(page(store), encoding="utf-8")
     print(f"wrote {PAGE.relative_to(ROOT)}")
     if failed:
         sys.exit(f"failed: {', '.join(failed)}; the page shows their last results")
 
 
+def measure(names: Iterable[str], store: dict[str, Any]) -> dict[str, bool]:
+    """Measure these entries, two at a time but for those alone; by name, whether its command ended well."""
+    alone = {name: COMMANDS[name].alone or COMMANDS[name].chapter in TIMED for name in names}
+    paired = [name for name in alone if not alone[name]]
+    paired.sort(key=lambda name: store.get(name, {}).get("minutes", 0.0), reverse=True)
+    with ThreadPoolExecutor(2) as pool:
+        ended = dict(zip(paired, pool.map(partial(kept, store=store), paired), strict=True))
+    return ended | {name: kept(name, store) for name in alone if alone[name]}
+
+
 def kept(name: str, store: dict[str, Any]) -> bool:
     """Measure an entry and write it to the store; whether its command ended well."""
     print(f"{name}: {line(COMMANDS[name])}", flush=True)
     try:
-        store[name] = measured(COMMANDS[name])
+        found = measured(COMMANDS[name])
     except subprocess.CalledProcessError as failure:
         print(failure, file=sys.stderr)
         return False
-    STORE.write_text(json.dumps(store, indent=1) + "\n")
+    with KEEPING:
+        store[name] = found
+        STORE.write_text(json.dumps(store, indent=1) + "\n")
     return True
 
 

@@ -11,6 +11,7 @@ import re
 import shlex
 import subprocess
 import sys
+import threading
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -94,6 +95,25 @@ def test_a_stopped_measurement_of_all_entries_goes_on_where_it_was(evidence):
     store[names[0]]["command"] += " --another"
     assert evidence.left(store, "new") == [names[0], *names[3:]]
     assert evidence.left({}, "new") == names
+
+
+def test_entries_that_measure_time_run_alone_and_all_others_two_at_a_time(evidence, monkeypatch):
+    running, beside = set(), {}
+    both = threading.Barrier(2)
+
+    def kept(name, store):
+        running.add(name)
+        if name in ("sensitivities", "held"):
+            both.wait(60.0)  # for the other one: it would break in one stream
+        beside[name] = set(running)
+        running.remove(name)
+        return name != "held"
+
+    monkeypatch.setattr(evidence, "kept", kept)
+    names = ["curves", "sensitivities", "held", "rests", "follow", "drag"]
+    ended = evidence.measure(names, {})
+    assert ended == {name: name != "held" for name in names}
+    assert all(beside[name] == {name} for name in ("curves", "rests", "follow", "drag"))
 
 
 def test_the_page_of_evidence_names_the_commit_once_and_again_only_where_another_was_measured(evidence):
