@@ -25,9 +25,10 @@ from form import Form
 from pandas import DataFrame
 from scipy.fft import next_fast_len
 
-from solver import Scene, load_path
+from solver import NotConverged, Scene, load_path
 from solver.analysis.peeling import edges
 from solver.analysis.toughness import release_rates, toughness
+from solver.continuation.state import Outcome
 
 NODES_PER_ZONE, PERIOD, SITES = 8.0, 8.0, 10.0  # see above; PERIOD: least cell over JKR's half-width; SITES: a/delta_t
 BRANCH = 0.8  # share of the branch that is compared: towards its end edge nodes move on to the next site
@@ -60,12 +61,17 @@ def strip_of(scene):
 
 
 def branch(scene):
-    """The Frames of the shear before the first slip."""
+    """The Frames of the shear before the first slip, also where the surface comes to rest nowhere after it."""
     frames = []
-    for frame in load_path(scene):
-        if any(event.kind != "control" for event in frame.slips) and frame.stage != "approach":
-            return frames
-        frames += [frame] * (frame.stage != "approach")
+    try:
+        for frame in load_path(scene):
+            if any(event.kind != "control" for event in frame.slips) and frame.stage != "approach":
+                return frames
+            frames += [frame] * (frame.stage != "approach")
+    except NotConverged as failure:
+        if not frames or failure.outcome is not Outcome.RESTLESS:
+            raise
+        return frames
     raise ValueError("no slip up to u_x_max")
 
 
