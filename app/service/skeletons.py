@@ -5,9 +5,10 @@ Once the slider rests the worker checks that it is the run of its scene; then th
 
 The deflated bytes are: uint32 length of the head, the head in JSON, the shear, and the approach if it is known. Of
 either: of all branches in order, float64 loads (n,) in nm and their states (n, size). A state has u_x and the gap of
-each node, and in shear U_z under a held load. Fields are smooth: of the first state come int32 steps of the steps from
-node to node, and of others the same of the change since the state before: 2 k for k >= 0, -2 k - 1 for others, as the
-low bytes of all, then the high ones, which deflate by a seventh more than int16.
+each node, and in shear U_z under a held load; of an approach that is its own mirror image, as that of a punch, those of
+the left half. Fields are smooth: of the first state come int32 steps of the steps from node to node, and of others the
+same of the change since the state before: 2 k for k >= 0, -2 k - 1 for others, as the low bytes of all, then the high
+ones, which deflate by a seventh more than int16.
 """
 
 import re
@@ -29,8 +30,7 @@ from solver.run.load_steps import load_steps_of
 from solver.run.summary import widest
 
 UNIT, UNIT_OF_FLATS = 8e-5, 1e-6  # nm: interpolated u_x then errs by less than 1e-3; all nodes of a flat err alike
-LOWERED = 1.6e-4  # nm, of the approach, which is only drawn: with 4e-4 its area erred by a quarter of a node spacing
-LEVEL, LEVEL_AT_REST = 4, 6  # of zlib: 6 takes 5 % fewer bytes, and three times as long, a tenth of a prediction
+LEVEL = 4  # of zlib: 6 takes 5 % fewer bytes, and three times as long, a tenth of a prediction
 LARGEST = 2**15 - 1  # of a step in two bytes
 GAIN = 4.0  # by which interpolation may amplify the error of rounding
 MOST = 20_000  # force evaluations of a certificate, about a second: runs that flutter are computed in parts
@@ -119,7 +119,7 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
     """
     scene, m = skeleton.scene, skeleton.nodes
     first, sent = _part(scene, skeleton.first, m)
-    shear, body = _traced(skeleton, skeleton.branches, UNIT, _in_sum)
+    shear, body = _traced(skeleton, skeleton.branches)
     head = of_scene(scene) | {
         "nodes": sent,
         "first": first,
@@ -132,33 +132,31 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
         "shear": shear | {"slips": [(slip.load, slip.F_bar, slip.L_bar, slip.A_bar) for slip in skeleton.slips]},
     }
     if approach:
-        lowered, more = _traced(skeleton, approach, LOWERED, np.rint)  # only its curves are drawn
-        ends = [(branch.end, *_at_end(skeleton, branch)) for branch in approach if branch.slip]
+        lowered, more = _traced(skeleton, approach, lowered=True)
+        at = {branch.end: skeleton.tractions(branch.states[-1].v[None])[0] for branch in approach if branch.slip}
+        ends = [(load, *forces_and_area(scene, T)) for load, T in at.items()]
         head["lowered"] = lowered | {"slips": ends, "increments": load_steps_of(scene)[0].increments}
         body += more
-    return zlib.compress(headed(head, body), LEVEL_AT_REST if approach else LEVEL)
+    return zlib.compress(headed(head, body), LEVEL)
 
 
-def _at_end(skeleton, branch):
-    """Return F_bar, L_bar and A_bar of the last state of a Branch."""
-    return forces_and_area(skeleton.scene, skeleton.tractions(branch.states[-1].v[None])[0])
-
-
-def _traced(skeleton, branches, unit, rounded):
-    """Return what the head has of branches, and their bytes."""
+def _traced(skeleton, branches, lowered=False):
+    """Return what the head has of branches, and their bytes; lowered: of the approach, of which curves are drawn."""
     scene, m = skeleton.scene, skeleton.nodes
+    unit = UNIT_OF_FLATS if scene.surface == "flat" else UNIT
     branches = [_refined(branch) for branch in branches]
     v = np.concatenate([branch.v for branch in branches])
     if not np.isfinite(v).all():
         raise NotFollowed("a predicted state is not finite")
     v[:, m : 2 * m] += scene.profile[skeleton.first : skeleton.first + m]
     _, sent = _part(scene, skeleton.first, m)
-    v = np.delete(v, np.r_[sent:m, m + sent : 2 * m], axis=1)
-    unit, rounded = (UNIT_OF_FLATS, np.rint) if scene.surface == "flat" else (unit, rounded)
-    unit, row, rows = _steps(v, unit, rounded)
+    images = np.hstack([-v[:, m - 1 :: -1], v[:, 2 * m - 1 : m - 1 : -1]])
+    kept = (sent + 1) // 2 if lowered and np.abs(v[:, : 2 * m] - images).max() < unit else sent
+    v = np.delete(v, np.r_[kept:m, m + kept : 2 * m], axis=1)
+    unit, row, rows = _steps(v, unit, np.rint if lowered or scene.surface == "flat" else _in_sum)
     loads = np.concatenate([branch.loads for branch in branches])
     kinds = [{"states": len(b.states), "slips": b.slip is not None, "periodic": b.periodic} for b in branches]
-    return {"unit": unit, "branches": kinds}, loads.tobytes() + row.tobytes() + rows.tobytes()
+    return {"unit": unit, "kept": kept, "branches": kinds}, loads.tobytes() + row.tobytes() + rows.tobytes()
 
 
 def _refined(branch):

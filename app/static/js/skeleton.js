@@ -10,9 +10,7 @@ const SCALES = { gap: 1, u_x: 1, T_z: 1, T_x: 1 } // fields are in nm and GPa
 const OF_SLIP = ["slip_at", "slip_F", "slip_L", "slip_A"] // columns of its load and what was there just before
 
 // The message of a skeleton, in a while: {..., skeleton}
-export async function skeletonLater({ body, ...message }) {
-  return { ...message, skeleton: skeletonOf(await inflated(body)) }
-}
+export const skeletonLater = async ({ body, ...rest }) => ({ ...rest, skeleton: skeletonOf(await inflated(body)) })
 
 // {head, branches, lowered: those of the approach, law} of the inflated bytes, an ArrayBuffer
 function skeletonOf(buffer) {
@@ -20,9 +18,16 @@ function skeletonOf(buffer) {
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)))
   const { nodes, held, shear, lowered } = head
   const { branches, bytes } = branchesOf(rest, shear, 2 * nodes + held)
-  const above = lowered && branchesOf(rest.slice(bytes), lowered, 2 * nodes).branches
+  const above = lowered && branchesOf(rest.slice(bytes), lowered, 2 * lowered.kept).branches
+  for (const branch of above ?? []) branch.states = branch.states.map((left) => wholeOf(left, lowered.kept, nodes))
   return { head, branches, lowered: above ?? [], law: lawOf(head.law) }
 }
+
+// A state from those nodes that are kept: the others are their mirror image, u_x with the other sign
+const wholeOf = (left, kept, nodes) => Float64Array.from({ length: 2 * nodes }, (_, i) => {
+  const at = i % nodes, own = at < kept, k = own ? at : nodes - 1 - at
+  return i < nodes ? (own ? left[k] : -left[k]) : left[kept + k]
+})
 
 // {branches, how many bytes they have}
 function branchesOf(buffer, { branches: kinds, unit }, size) {
@@ -134,15 +139,9 @@ export function chunkFrom(skeleton, few = false, U_x = 0) {
   OF_SLIP.forEach((name, i) => columns[name].set(columns[["U_x", "F_bar", "L_bar", "A_bar"][i]]))
   markSlips(head.lowered?.slips ?? [], above, 0, columns)
   markSlips(head.shear.slips, places.slice(above.length), above.length, columns)
-  const rows = [] // the fields of those increments that were looked at
-  const fieldsAt = (row) => {
-    if (!rows[row]) {
-      evaluate(row)
-      const kept = { u_x: v.subarray(0, nodes), gap, T_x, T_z }
-      rows[row] = Object.fromEntries(Object.keys(kept).map((name) => [name, Float32Array.from(kept[name])]))
-    }
-    return rows[row]
-  }
+  const fields = { u_x: v.subarray(0, nodes), gap, T_x, T_z }, rows = [] // those of increments that were looked at
+  const copied = () => Object.fromEntries(Object.entries(fields).map(([name, now]) => [name, Float32Array.from(now)]))
+  const fieldsAt = (row) => (rows[row] ??= copied(evaluate(row)))
   return { head: { ...head, last: true, frames, scales: SCALES, step: every * step }, columns, fieldsAt }
 }
 
