@@ -101,6 +101,7 @@ COMMANDS = {
         "Fits",
         "Fits to data with known parameters: convergence, coverage of the 95 % intervals, sparse data.",
         (BENCH + "fit.py",),
+        alone=True,  # it names seconds
     ),
     "map": Entry(
         "Accuracy",

@@ -133,15 +133,14 @@ def packed(skeleton: Skeleton, approach: Sequence[Branch] = ()) -> bytes:
     }
     if approach:
         lowered, more = _traced(skeleton, approach, lowered=True)
-        at = {branch.end: skeleton.tractions(branch.states[-1].v[None])[0] for branch in approach if branch.slip}
-        ends = [(load, *forces_and_area(scene, T)) for load, T in at.items()]
+        ends = [(b.end, *forces_and_area(scene, skeleton.tractions(b.v[-1:])[0])) for b in approach if b.slip]
         head["lowered"] = lowered | {"slips": ends, "increments": load_steps_of(scene)[0].increments}
         body += more
     return zlib.compress(headed(head, body), LEVEL)
 
 
 def _traced(skeleton, branches, lowered=False):
-    """Return what the head has of branches, and their bytes; lowered: of the approach, of which curves are drawn."""
+    """Return the part of the head that describes these branches, and their bytes; lowered: they are the approach."""
     scene, m = skeleton.scene, skeleton.nodes
     unit = UNIT_OF_FLATS if scene.surface == "flat" else UNIT
     branches = [_refined(branch) for branch in branches]

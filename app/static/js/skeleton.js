@@ -7,6 +7,7 @@ import { inflated } from "./packed.js"
 const STENCIL = 6 // states for interpolation
 const FEW = 120 // increments of a run while a slider is held, beside those at slips: a few pixels apart
 const SCALES = { gap: 1, u_x: 1, T_z: 1, T_x: 1 } // fields are in nm and GPa
+const copied = (of) => Object.fromEntries(Object.entries(of).map(([name, now]) => [name, Float32Array.from(now)]))
 const OF_SLIP = ["slip_at", "slip_F", "slip_L", "slip_A"] // columns of its load and what was there just before
 
 // The message of a skeleton, in a while: {..., skeleton}
@@ -128,6 +129,7 @@ export function chunkFrom(skeleton, few = false, U_x = 0) {
     if (k < above.length) stateOf(lowered.find(({ loads }) => load <= loads.at(-1)) ?? lowered.at(-1), load, v)
     else fillUnknowns(skeleton, load, v)
     skeleton.law(v, gap, T_x, T_z)
+    return { u_x: v.subarray(0, nodes), gap, T_x, T_z } // until the next increment
   }
   places.forEach(([index, load], k) => {
     evaluate(k)
@@ -139,8 +141,7 @@ export function chunkFrom(skeleton, few = false, U_x = 0) {
   OF_SLIP.forEach((name, i) => columns[name].set(columns[["U_x", "F_bar", "L_bar", "A_bar"][i]]))
   markSlips(head.lowered?.slips ?? [], above, 0, columns)
   markSlips(head.shear.slips, places.slice(above.length), above.length, columns)
-  const fields = { u_x: v.subarray(0, nodes), gap, T_x, T_z }, rows = [] // those of increments that were looked at
-  const copied = () => Object.fromEntries(Object.entries(fields).map(([name, now]) => [name, Float32Array.from(now)]))
+  const rows = [] // the fields of those increments that were looked at
   const fieldsAt = (row) => (rows[row] ??= copied(evaluate(row)))
   return { head: { ...head, last: true, frames, scales: SCALES, step: every * step }, columns, fieldsAt }
 }
