@@ -4,7 +4,7 @@ The way of a file:
 
 content                        its bytes or text; what is no measurement
 units, headings                lengths, forces and times; names and units of columns
-layout                         how lines are cut into cells
+lines, layout                  lines without comments and commas of thousands; how they are cut into cells
 tables                         the block of numbers, its columns, the lines above
 columns                        which column is what, by name or as given; else a refusal that shows the table
 instruments                    surfaces and force curves in the files of instruments

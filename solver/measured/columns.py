@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
+from types import MappingProxyType
 from typing import Any
 
 from ..surfaces import DataError
@@ -11,6 +12,7 @@ from .tables import Block, Table
 from .units import is_unit, parted
 
 Given = Mapping[str, str | int | None]
+UNIT_TELLS = "time", "segment", "stage"  # T (C) is no time, a phase in deg no segment
 
 
 def plain(name: str) -> str:
@@ -18,13 +20,23 @@ def plain(name: str) -> str:
     return re.sub(r"[\W_]", "", name.lower())
 
 
-def recognised(table: Table, words: Mapping[str, Sequence[str]]) -> tuple[dict[str, int], list[str]]:
+def recognised(
+    table: Table, words: Mapping[str, Sequence[str]], units: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+) -> tuple[dict[str, int], list[str]]:
     """({role: index} of the roles that one column has by its name, [the role of each column, or ""]).
 
-    words: {role: names as of `plain`}.
+    words: {role: names as of `plain`}. units: {role: units in which it may be read}. Of several columns of a role the
+    only one in such a unit is meant; one in another unit is no time, and one in any unit no segment.
     """
     role_of = {word: role for role, names in words.items() for word in names}
     roles = [role_of.get(plain(column.name), "") for column in table.columns]
+    for role in units.keys() & {*roles}:
+        at = [k for k, own in enumerate(roles) if own == role]
+        suited = [k for k in at if is_unit(table.columns[k].unit, units[role])]
+        strict = role in UNIT_TELLS
+        for k in at:
+            if k not in suited and (len(suited) == 1 if len(at) > 1 else strict and table.columns[k].unit):
+                roles[k] = ""
     return {role: k for k, role in enumerate(roles) if role and roles.count(role) == 1}, roles
 
 

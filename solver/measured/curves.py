@@ -14,7 +14,7 @@ from ..text import counted
 from .columns import Given, for_user, not_used
 from .content import Source
 from .instruments import read_block
-from .measurement import FEWEST, Measurement, Recording, Segment, part_named, parts_of, sliding
+from .measurement import CODES, FEWEST, Measurement, Recording, Segment, goes, part_named, parts_of, sliding
 from .roles import KINDS, NEEDED, Roles
 from .tables import SHOWN, Block, left_out
 from .units import SIZES, parted
@@ -97,10 +97,10 @@ class _Reader:
         if self.kind == "friction":
             return self._friction(lines, values)
         if over == "delta":
-            parts = self._named(lines) or parts_of(values[over], "approach", "retract")
+            parts = self._named(lines, values[over]) or parts_of(values[over], "approach", "retract")
             return self._recording("load", parts, values, self.roles.heading(over) != over)
         if over == "U_x":
-            parts = self._named(lines) or parts_of(values[over], "forth", "back")
+            parts = self._named(lines, values[over]) or parts_of(values[over], "forth", "back")
             return self._recording("area over displacement", parts, values)
         return self._recording(f"area over {'load' if over == 'L' else 'force'}", [("", slice(None))], values)
 
@@ -130,7 +130,7 @@ class _Reader:
             return values
         time = values.pop("time")
         if np.any(np.diff(time) < 0.0):
-            raise DataError("time goes back; keep one stroke, or sort the lines by time")
+            raise DataError("time goes back; keep one stroke, with its lines in order of time")
         said = [f"{key} = {text}" for key, text in self.said.items() if re.search("speed|velocity|rate", key, re.I)]
         if speed is None:
             beside = f"; the file says {', '.join(said[:3])}" if said else ""
@@ -222,7 +222,7 @@ class _Reader:
 
     def _friction(self, lines, values):
         """Friction over U_x: one stroke, or a loop."""
-        parts = self._named(lines) or parts_of(values["U_x"], "forth", "back")
+        parts = self._named(lines, values["U_x"]) or parts_of(values["U_x"], "forth", "back")
         strokes = [part for part in parts if part[0] != "hold"]
         if self.how.kind == "loop" or (len(strokes) > 1 and self.how.kind is None):
             return self._recording("loop", parts, values)
@@ -274,8 +274,11 @@ class _Reader:
         found = ", ".join(repr(each[:SHOWN]) for each in words[:3])
         raise DataError(f"stage: {found}; needed: rows of a stage of shear; keep those, or run with path=shear")
 
-    def _named(self, lines):
-        """[(name, indices)] of the rows that a column `stage` or `segment` names; None without one."""
+    def _named(self, lines, x):
+        """[(name, indices)] of the rows that a column `stage` or `segment` names; None without one.
+
+        Numbers are names only where x goes that way: other machines count cycles, or begin with 1.
+        """
         k = self.roles.known.get("stage", self.roles.known.get("segment"))
         if k is None:
             return None
@@ -284,4 +287,11 @@ class _Reader:
             self.notes.append(f"Not used: {self.table.columns[k].name} = {unknown[0][:SHOWN]!r}.")
             return None
         changes = [j for j, pair in enumerate(pairwise(texts), 1) if pair[0] != pair[1]]
-        return [(part_named(texts[at[0]]), at) for at in np.split(np.arange(len(texts)), changes)]
+        parts = [(part_named(texts[at[0]]), at) for at in np.split(np.arange(len(texts)), changes)]
+        if texts[0].lower() in CODES and not all(goes(name, x, at) for name, at in parts):
+            column = self.table.columns[k].name
+            self.notes.append(
+                f"Not used: the numbers of {column}; the turns of {next(iter(self.roles.of))} part the curve."
+            )
+            return None
+        return parts

@@ -4,9 +4,10 @@ import csv
 import re
 from collections.abc import Sequence
 
-from .units import named_unit, parted, plain_unit
+from .units import labelled_unit, named_unit, parted, plain_unit
 
 LABEL = re.compile(r"\W*(columns|units|segment)\s*:\s*(.*)", re.I)  # lines by which a file names its own columns
+REMARKS = "comment", "comments", "remark", "remarks", "note", "notes"  # a last column that rows leave out
 COMMENT, BRACKETS = "#%/!*' \t", "[](){} "  # around a heading; around a unit
 BLANKS = re.compile(r'"[^"]*"|[^\s([{]+(?:\s?(?:\([^)]*\)|\[[^\]]*\]|\{[^}]*\})|\s/\s\S+)?|[(\[{][^)\]}]*[)\]}]')
 
@@ -42,6 +43,8 @@ def _near(above, separator, sizes):
     near = []
     for line in [line for line in reversed(above) if re.search(r"[^\W\d_]", line)][:3]:
         cells = _split(line.strip(COMMENT), separator, sizes)
+        if labelled_unit(line):
+            continue
         if cells is None or any(re.match(r"[\d.+-]|.*:$", cell) for cell in cells):
             break
         near.append(cells)
@@ -67,7 +70,7 @@ def _split(line, separator, sizes):
     blanks = [] if re.search("[;\t]", line) else BLANKS.findall(line)
     for cells in (*quoted, re.split(" {2,}", line), blanks):
         cells = [" ".join(cell.split()).strip(' "') for cell in cells]
-        while len(cells) > filled and not cells[-1]:
+        while len(cells) > filled and (not cells[-1] or cells[-1].lower() in REMARKS):
             cells.pop()
         if filled <= len(cells) <= width and any(cells):
             return [*cells, *[""] * (width - len(cells))]

@@ -1,5 +1,6 @@
 """How the lines of a text are cut into cells, as most of them are rows of numbers."""
 
+import csv
 import re
 from typing import NamedTuple
 
@@ -21,11 +22,15 @@ class Layout(NamedTuple):
     words: bool
 
     def split(self, line: str) -> list[str]:
-        return [cell.strip(' "') for cell in line.split(self.separator or None)]
+        if self.separator and '"' in line:  # a separator in quotes is none
+            cells = next(csv.reader([line], delimiter=self.separator, skipinitialspace=True))
+        else:
+            cells = line.split(self.separator or None)
+        return [cell.strip(' \t"') for cell in cells]
 
     def width(self, line: str) -> int:
         """The number of cells of a line."""
-        return line.count(self.separator) + 1 if self.separator else len(line.split())
+        return line.count(self.separator) + 1 if self.separator and '"' not in line else len(self.split(line))
 
     def is_row(self, line: str) -> bool:
         cells = self.split(line)

@@ -28,6 +28,7 @@ PARTS = {  # words for a segment
     "back": ("back", "retrace", "backward"),
 }
 PART_OF = {word: part for part, words in PARTS.items() for word in words}
+CODES = "false", "true", "0", "1", "2"  # of PARTS: numbers that some machines write
 OF_STAGE = {"unload": "retract", "reload": "approach", "shear": "forth", "move": "forth"}  # others keep their name
 
 
@@ -204,6 +205,12 @@ def sliding(stages: Iterable[object]) -> list[str]:
     """The stages of a column that move U_x to and fro, in order."""
     words = dict.fromkeys(map(str, stages))
     return [each for each in words if Stage(each).kind in STAGES and Stage(each).moves == "U_x"]
+
+
+def goes(name: str | None, x: Floats, at: NDArray[np.int_]) -> bool:
+    """Whether x (n,) rises, falls or stays in a segment `at` (k,), as its name approach, retract or hold says."""
+    rise, least = float(x[at[-1]] - x[at[0]]), BACK * float(np.ptp(x))
+    return {"approach": rise > 0.0, "retract": rise < 0.0, "hold": abs(rise) <= least}.get(name or "", True)
 
 
 def part_named(text: str) -> str | None:

@@ -146,7 +146,8 @@ def _x_and_z(table, how):
     checked("units", how.units, "xz")
     of: dict[str, int | None] = named(table) | own
     if len(table.columns) == 1 and "x" not in own:
-        raise _asked(table, f"one column; needed: {NEEDED}, or {COUNTED}", {"x": None, "z": 0}, how)
+        said = mentioned(line for line in table.above if any(map(str.isdigit, line)))
+        raise _asked(table, f"one column; needed: {NEEDED}, or {COUNTED}{said}", {"x": None, "z": 0}, how)
     if len(of) < 2 or of["x"] == of["z"] or of["z"] is None:
         unnamed = len(table.columns) > 2 and not any(column.name for column in table.columns)
         matrix = f"; if this is a map of heights, save one line of it as x and z, or {COUNTED}"

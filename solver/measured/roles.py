@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from ..surfaces import DataError
 from .columns import asked, called, checked, given, plain, recognised
 from .tables import SHOWN, Table
-from .units import FORCE, LENGTH, agreed, allowed_of, is_unit, measure, named_unit, quantity
+from .units import FORCE, LENGTH, agreed, allowed_of, is_unit, measure, mentioned, named_unit, quantity, unit_said
 
 NEEDED_BY = {
     "friction": "U_x and F of friction, or time and F with a speed",
@@ -17,6 +17,8 @@ NEEDED_BY = {
 NEEDED = "; ".join(NEEDED_BY.values())
 KINDS = ("friction", "loop", "load", "area")
 ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
+MEASURED = "heightmeasured", "measuredheight", "capacitivesensorheight"  # by a sensor
+SMOOTHED = "heightmeasuredsmoothed", "smoothedmeasuredheight", "smoothedcapacitivesensorheight"
 NAMED = {  # what a heading may say, in small letters without blanks and signs
     "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
     # along the surface or into it: the other column or `kind` tells
@@ -29,14 +31,20 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "A_bar": ("abar",),
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
-    "height": ("height", "heightmeasured", "heightpiezo"),  # falls as delta grows, and has the lever in it
+    "height": (*MEASURED, *SMOOTHED, "height", "heightpiezo"),  # falls as delta grows, and has the lever in it
     "gap": ("gap", "separation", "tipsampleseparation", "tipposition"),  # falls as delta grows
     "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
     "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
 }
-FIRST = {name: NAMED[name][:-1] for name in ("height", "gap")}  # beside one of them those of the piezo do not count
+# beside a column of the first names those of the others do not count: what a sensor measured comes before what the
+# piezo was told
+BESIDE = {
+    MEASURED: (*SMOOTHED, "height", "heightpiezo", "tipposition"),
+    SMOOTHED: ("height", "heightpiezo", "tipposition"),
+    ("height", *NAMED["gap"][:-1]): ("heightpiezo", "tipposition"),
+}
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
 MEANT = {  # over one of, one of; the first that a heading names is meant
@@ -52,7 +60,7 @@ SIDES = {  # quantities of either side of a curve, the likely one first
 UNITS_OF = {"U_x": LENGTH, "delta": LENGTH, "time": ("s",), "F": FORCE, "L": FORCE, "A": (*LENGTH, "A_0")}
 
 
-def quantity_of(role: str, kind: str) -> str:
+def quantity_of(role: str, kind: str = "") -> str:
     """What a column of that role is in a curve of that kind."""
     if role in ("height", "gap", "position") or (role == "displacement" and kind == "load"):
         return "delta"
@@ -61,12 +69,23 @@ def quantity_of(role: str, kind: str) -> str:
     return "U_x" if role == "displacement" else role.removesuffix("_bar")
 
 
+READ_AS = {role: UNITS_OF.get(quantity_of(role), ()) for role in NAMED if not role.endswith("_bar")}
+
+
 def proposed(table: Table, kind: str = "") -> tuple[str, dict[str, int]]:
     """(the kind of a curve, "" where it is not certain; {quantity: index} of the columns that names tell)."""
     roles = Roles(table, SimpleNamespace(kind=kind or None, columns=None, units=None, speed=None, force=None))
     with suppress(DataError):
         roles.find(None)
     return kind or roles.kind, roles.of
+
+
+def _with_units(table, headings):
+    """The Table with the units that lines above its heading label."""
+    both = zip(table.columns, headings, strict=True)
+    units = [unit_said(table.above, column.unit, READ_AS.get(role, ())) for column, role in both]
+    columns = (column._replace(unit=unit) for column, unit in zip(table.columns, units, strict=True))
+    return table._replace(columns=tuple(columns))
 
 
 class Roles:
@@ -79,15 +98,17 @@ class Roles:
     """
 
     def __init__(self, table: Table, how: SimpleNamespace) -> None:
-        self.table, self.how = table, how
-        known, self.headings = recognised(table, NAMED)
-        if {plain(column.name) for column in table.columns} & {*FIRST["height"], *FIRST["gap"]}:
-            known, _ = recognised(table, NAMED | FIRST)
+        _, self.headings = recognised(table, NAMED)
+        self.table, self.how = _with_units(table, self.headings), how
+        table = self.table
+        names = {plain(column.name) for column in table.columns}
+        less = {word for first, others in BESIDE.items() if names & {*first} for word in others}
+        known, roles = recognised(table, {role: [*{*words} - less] for role, words in NAMED.items()}, READ_AS)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)
         free = {role: k for role, k in known.items() if k not in self.given.values()}
         self.known = {role: k for role, k in (free | self.given).items() if k is not None}
-        self.named = {*self.known, *(role for role in self.headings if self.headings.count(role) > 1)}
+        self.named = {*self.known, *(role for role in roles if roles.count(role) > 1)}
         self.of: dict[str, int] = {}
         self.noted: tuple[str, ...] = ()
         self.notes: list[str] = []
@@ -133,6 +154,10 @@ class Roles:
                 continue
             if x[0] not in known or y[0] not in known or self._rivals(x) or self._rivals([y[0], "force"]):
                 break
+            if not kind and x[0] == "displacement" and x[0] not in over and (beside := self._other_way()):
+                name = called(self.table, known[x[0]])
+                reason = f"is {name!r} the way along the surface, beside {beside!r}? Else give time and speed"
+                raise self._asked(reason, {"F": known[y[0]]}, ("U_x", "F"))
             return found, self._with_others(found, x[0], y[0])
         raise self._asked_kind(kind)
 
@@ -143,6 +168,12 @@ class Roles:
         others = () if roles[0] in FORCES else SYMBOLS  # F beside L is no load
         meant = {k for k in meant if plain(self.table.columns[k].name) not in others}
         return len(meant) > 1 and roles[0] in rivals and roles[0] not in self.given
+
+    def _other_way(self):
+        """The name of a time, or of another length, beside which a displacement may be wear; "" without one."""
+        others = [k for k, role in enumerate(self.headings) if role not in ("displacement", "A", "A_bar")]
+        of = self.table.columns
+        return next((of[k].name for k in others if self.headings[k] == "time" or is_unit(of[k].unit, LENGTH)), "")
 
     def _with_others(self, kind, over, value):
         """{quantity: role} of a curve of that kind, L and A beside a friction force among them."""
@@ -167,7 +198,9 @@ class Roles:
         reason = f"which column is what is not certain; needed: {NEEDED_BY[kind] if kind else NEEDED}"
         loads = {*DEEP, *LOADS} & known.keys() and not {"U_x", *FORCES} & named
         kind = kind or ("area" if {*AREAS} & known.keys() else "load" if loads else "friction")
-        timed = kind == "friction" and "time" in known and not {"U_x", "displacement"} & named
+        both = zip(table.columns, self.headings, strict=True)
+        way = {"U_x", "displacement"} & named or any(is_unit(column.unit, LENGTH) for column, role in both if not role)
+        timed = kind == "friction" and "time" in known and not way
         names = ("time", "F") if timed else tuple(side[0] for side in SIDES[kind])
         over, values = [role for role in MEANT[kind][0] if (role == "time") == timed], MEANT[kind][1]
         at = [{known.get(each) for each in roles if each in named} for roles in (over, values)]
@@ -217,6 +250,7 @@ class Roles:
         for name in missing:
             unit, allowed = self.table.columns[self.of[name]].unit, allowed_of(UNITS_OF[name])
             why = f"{called(self.table, self.of[name])} in {unit[:SHOWN]!r}" if unit else f"{name} has no unit"
+            why += "" if unit else mentioned(self.table.above, UNITS_OF[name])
             whys.append(f"{why}; allowed units: {allowed}")
             if unit and name == "A" and re.search("[²2]", unit):
                 whys.append("divide it by its value without shear, and write A/A_0")

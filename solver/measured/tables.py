@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from io import StringIO
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..text import counted
 from .content import text_of
 from .headings import heading_of, labelled
 from .layout import LONGEST, MISSING, is_number, layout_of, reject_wide
+from .lines import BOTH_SIGNS, MAYBE_THOUSANDS, cleaned, factors_in, missing_in
 
 MOST_LINES, LONGEST_LINE = 1_000_000, 1_000_000  # so any text is read or refused within some seconds
 SHOWN = 40  # characters of a cell in a message
@@ -96,27 +98,66 @@ def table_in(content: str | bytes, needed: str, channel: str | int | None = None
     Returns a Block. Raises DataError.
     """
     raw = _lines(text_of(content))
-    lines = [line.partition("#")[0].strip() for line in raw]
+    lines, notes = cleaned(raw)
     layout = layout_of(lines)
     if layout is None:
         raise DataError(f"no points; needed: {needed}", len(raw))
     layout, parts = _parts(lines, layout, labelled(raw))
-    chosen, notes = _chosen(parts, channel)
+    chosen, later = _chosen(parts, channel)
     rows = np.concatenate([at for _, at in chosen])
     words = np.concatenate([np.full(at.size, segment, object) for segment, at in chosen])
     _reject_bad(lines, rows, layout)
-    width, begun = _full_rows(lines, rows, layout)
-    rows, words = rows[begun:], words[begun:]
+    width, full = _full_rows(lines, rows, layout)
+    others = [
+        at for _, at in parts if all(at is not own for _, own in chosen) and channel in (None, "all") and not later
+    ]
+    apart = [at for at in others if layout.width(lines[at[0]]) == width]
+    notes += later + _apart(np.sort(np.concatenate([rows[~full], *apart])))
+    rows, words = rows[full], words[full]
     cells = _cells([lines[k] for k in rows], layout, width, rows)
     above = tuple(line for line in raw[: rows[0]] if line.strip())
+    notes += (*_without_markers(cells, above), *factors_in(above))
     filled = max((k for k in range(width) if cells[k].dtype == object or np.isfinite(cells[k]).any()), default=0) + 1
     units, names = heading_of(above, layout.separator, (filled, width))
+    _reject_other_columns(raw, chosen, layout, (units, names), (filled, width))
     kept = [k for k in range(width) if names[k] or k < filled]
     columns, cells = [column_of(names[k], units[k], cells[k]) for k in kept], [cells[k] for k in kept]
     if len(chosen) > 1 and all(segment for segment, _ in chosen):
         columns, cells = [*columns, column_of("segment", None, words)], [*cells, words]
     first = tuple(tuple(layout.split(lines[k]))[:width] for k in rows[:FIRST])
     return Block(Table(tuple(columns), first, above, rows.size), cells, rows + 1, notes)
+
+
+def _apart(rows):
+    """(a note on rows (k,) of numbers that are not of the table)."""
+    at = ", ".join(str(k + 1) for k in rows[:3]) + " ..." * (rows.size > 3)
+    return (f"{counted(rows.size, 'row')} apart from the table left out (line {at}).",) * bool(rows.size)
+
+
+def _without_markers(cells, above):
+    """[notes] on numbers that stand for a missing value in the columns `cells`, where they become nan."""
+    notes = []
+    for marker in missing_in(above):
+        hits = [column == marker if column.dtype != object else np.zeros(column.size, bool) for column in cells]
+        cells[:] = [
+            np.where(at, np.nan, column) if at.any() else column for column, at in zip(cells, hits, strict=True)
+        ]
+        if count := int(np.sum(hits)):
+            notes.append(f"{counted(count, 'cell')} of {marker:g} missing, as the file says.")
+    return notes
+
+
+def _reject_other_columns(raw, chosen, layout, heading, sizes):
+    """Raises DataError where one of several tables that are read as one has another heading (units, names)."""
+    for k, ((_, before), (_, at)) in enumerate(pairwise(chosen), 2):
+        between = tuple(line for line in raw[before[-1] + 1 : at[0]] if line.strip())
+        own = heading_of(between, layout.separator, sizes)
+        if any(own[1]) and own != heading:
+            columns = ", ".join(f"{name} ({unit})" if unit else name for unit, name in zip(*own, strict=True))
+            first = (
+                f"table {k}, from line {at[0] + 1}, has other columns or units than the first: {columns[: 3 * SHOWN]}"
+            )
+            raise DataError(f"{first}; read one table after the other", call={"channel": ...})
 
 
 def _lines(text):
@@ -137,11 +178,14 @@ def _parts(lines, layout, segments):
     row = np.fromiter((bool(line) and layout.is_row(line) for line in lines), bool, len(lines))
     breaks = [k for k, line in enumerate(lines) if (line and not row[k]) or k in segments]
     rows = np.flatnonzero(row)
-    rows = rows[next((k for k, at in enumerate(rows) if re.search(r"\d", lines[at])), rows.size) :]  # not of dashes
-    if not rows.size:
+    digits = np.fromiter((bool(re.search(r"\d", lines[k])) for k in rows), bool, rows.size)
+    parts = []
+    for at in np.split(np.arange(rows.size), np.flatnonzero(np.diff(np.searchsorted(breaks, rows))) + 1):
+        if (full := np.flatnonzero(digits[at])).size:  # a table does not begin or end with dashes or separators alone
+            parts.append(rows[at[full[0]] : at[full[-1]] + 1])
+    if not parts:
         raise DataError("no points; no line has numbers alone")
-    parts = np.split(rows, np.flatnonzero(np.diff(np.searchsorted(breaks, rows))) + 1)
-    k = rows[0]
+    k = parts[0][0]
     beside, above = layout._replace(words=True), lines[k - 1]
     if k and beside != layout and beside.is_row(above) and layout.width(above) == layout.width(lines[k]):
         return _parts(lines, beside, segments)  # some oscilloscopes write words beside the first rows
@@ -170,36 +214,40 @@ def _reject_bad(lines, rows, layout):
         if not near or not before or len(cells) != len(layout.split(lines[rows[0]])):
             continue
         bad = [cell for cell in cells if not is_number(cell) and cell not in MISSING]
-        if len(bad) < len(cells) and bad:
+        if bad and any(map(is_number, cells)):
             cell = repr(bad[0][:SHOWN]) if bad[0].isprintable() else "an unreadable cell"
             raise DataError(f"{cell} is not a number; correct or delete the line", k + 1)
 
 
 def _full_rows(lines, rows, layout):
-    """(the number of columns, how many of the rows (k,) above the first full one count the others)."""
+    """(the number of columns, which of the rows (k,) count). Raises DataError for a row with more cells.
+
+    Above the first full one none do; between blanks nobody knows which cell a shorter one lacks.
+    """
     counts = np.fromiter((layout.width(lines[k]) for k in rows), int, rows.size)
     width = int(np.bincount(counts[: 2 * LONGEST]).argmax())
     reject_wide(int(counts.max()), int(rows[counts.argmax()]))
-    begun = int(np.argmax(counts == width))
-    if (wider := begun + np.flatnonzero(counts[begun:] > width)).size:
+    full = np.arange(rows.size) >= np.argmax(counts == width)
+    if (wider := np.flatnonzero(full & (counts > width))).size:
         remedy = "use decimal points, or semicolons between columns"
-        raise DataError(f"{counts[begun:].max()} columns in place of {width}; {remedy}", int(rows[wider[0]]) + 1)
-    return width, begun
+        raise DataError(f"{counts[full].max()} columns in place of {width}; {remedy}", int(rows[wider[0]]) + 1)
+    return width, full if layout.separator else full & (counts == width)
 
 
 def _cells(texts, layout, width, rows):
     """The columns of rows: float64 (k,) each, or words."""
     from pandas import read_csv, to_numeric  # takes longer to import than the solver
 
+    if layout.separator and any('"' in line for line in texts):
+        texts = [layout.separator.join(cell.replace(layout.separator, " ") for cell in layout.split(line))
+                 if '"' in line else line for line in texts]  # fmt: skip
     text = "\n".join(texts).replace("\N{MINUS SIGN}", "-").replace('"', "")
     if "D" in text or "d" in text:
         text = FORTRAN.sub(r"\1e\2", text)
     commas, words = layout.separator != "," and "," in text, layout.words
     if commas and not words and ("." in text or not DECIMAL.search(text)):
-        both = "decimal points and commas; write one sign, without separators of thousands"
-        thousands = "commas with three digits behind each may separate thousands; write decimal points"
         line = int(rows[next(k for k, line in enumerate(texts) if "," in line)]) + 1
-        raise DataError(both if "." in text else thousands, line)
+        raise DataError(BOTH_SIGNS if "." in text else MAYBE_THOUSANDS, line)
     frame = read_csv(
         StringIO(text), sep=layout.separator or r"\s+", header=None, names=range(width), index_col=False,
         decimal="," if commas else ".", na_values=MISSING, keep_default_na=False, skip_blank_lines=False, quoting=3,
@@ -209,7 +257,7 @@ def _cells(texts, layout, width, rows):
     for k in frame:
         column = frame[k]
         if words or column.dtype == object or column.dtype == "str":
-            own = column.fillna("").astype(str).str.strip(' "')
+            own = column.fillna("").astype(str).str.strip(' \t"')
             numbers = to_numeric(own.str.replace(",", ".") if commas else own, errors="coerce")
             known = int(numbers.notna().sum())
             # a column of which few cells are numbers is one of words, such as the stage of a run

@@ -28,6 +28,7 @@ SIZES = {  # {the unit in which it is read: {unit: how much it is}}
     "F_s": {"F_s": 1.0},
     "A_0": {"A_0": 1.0},
 }
+READ = tuple(SIZES)
 READ_IN = {unit: name for name, units in SIZES.items() for unit in units}
 OTHERS = ("V", "mV", "volt", "volts", "ft", "pm", "px", "pixel", "pixels", "deg", "%", "Nm", "Pa", "kPa", "MPa")
 USUAL = {  # the first to choose from, of each of these
@@ -40,9 +41,12 @@ WHICH = ("measured", "piezo", "smoothed", "sensor")  # in brackets behind a name
 RAISED = str.maketrans("⁻¹·*", "-1  ")
 TIMES = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(\S.*)")
 BRACKETS = re.compile(r"(.*?)\s?[\[({]([^\])}]{0,40})[\])}]")
+COMMA = re.compile(r"(.*[^\s,]), ?([^\s,]{1,13})")
 SLASH = re.compile(r"([^/]*[^/\s]) ?/ ?([^\d/][^/]{0,12}(?:/\w{1,4})?)")
 LAST = re.compile(r"(.*?[^\W_])(?: in |[ _])([^\W\d_]{1,13})")
-LABEL = re.compile(r"\W*((?:[^\W\d_]+ ){0,2})units?\W+([^\W\d_]{1,13})\W*", re.I)
+LABEL = re.compile(
+    r"\W*+((?:[^\W\d_]{1,20}[ _-]){0,2}[^\W\d_]{0,20}?)[ _-]?units?\W+([^\W\d_]{1,13}(?:/\w{1,4})?)\W*", re.I
+)
 FOR_X = re.compile(r"\b(lateral|horizontal|length|distance|x)\b", re.I)
 FOR_Z = re.compile(r"\b(values?|height|vertical|y|z)\b", re.I)
 
@@ -65,11 +69,17 @@ def parted(cell: str) -> tuple[str, str | None]:
         return (match[1], plain_unit(match[2])) if match[2] not in WHICH else (cell, None)
     if match := SLASH.fullmatch(cell):
         return match[1], plain_unit(match[2])
+    if (match := COMMA.fullmatch(cell)) and named_unit(match[2]):
+        return match[1], plain_unit(match[2])
     match = LAST.fullmatch(cell)
     if match and named_unit(match[2]) and (len(match[2]) > 1 or " in " in cell):
         return match[1], plain_unit(match[2])
-    alone = len(cell) > 1 and named_unit(cell) and cell not in (*OTHERS, "F_s", "A_0")  # pixel is a name as well
-    return ("", plain_unit(cell)) if alone else (cell, None)
+    if len(cell) > 1 and named_unit(cell) and cell not in (*OTHERS, "F_s", "A_0"):  # pixel is a name as well
+        return "", plain_unit(cell)
+    words = [
+        word for word in re.findall(r"[^\W\d_]{2,}", plain_unit(cell)) if is_unit(word, READ) and word.lower() != "in"
+    ]
+    return cell, words[0] if len(words) == 1 else None  # within a name, as in Defl_pN_Ex
 
 
 def quantity(unit: str | None) -> str:
@@ -135,23 +145,39 @@ def agreed(
     return found
 
 
+def labelled_unit(line: str) -> tuple[str, str] | None:
+    """(words before it, unit) of a line as `Lateral units: um`, `XUnit = mm` and `Units: um`; None of another line."""
+    match = LABEL.fullmatch(normalize("NFC", line))
+    return (match[1].replace("_", " "), plain_unit(match[2])) if match and named_unit(match[2]) else None
+
+
 def units_above(lines: Iterable[str]) -> dict[str, str]:
-    """{"x", "z": unit} of lines as `Lateral units: um` and `Units: um`, the lowest first."""
+    """{"x", "z": unit} of lines that label a length unit, the lowest first."""
     found: dict[str, str] = {}
-    for line in reversed(list(lines)):
-        match = LABEL.fullmatch(normalize("NFC", line))
-        if not match or not is_unit(plain_unit(match[2])):
-            continue
+    for said, unit in filter(None, map(labelled_unit, reversed(list(lines)))):
         for name, words in (("x", FOR_X), ("z", FOR_Z)):
-            if not match[1] or words.search(match[1]):  # of both, if it says nothing else
-                found.setdefault(name, match[2])
+            if is_unit(unit) and (not said or words.search(said)):  # of both, if it says nothing else
+                found.setdefault(name, unit)
     return found
 
 
-def mentioned(lines: Iterable[str]) -> str:
-    """Why a length unit in some line above the numbers is not used: it may be of anything; "" where there is none."""
+def unit_said(lines: Iterable[str], own: str | None, of: tuple[str, ...]) -> str | None:
+    """The unit of a quantity in one of `of`: its own, or that of a line above that labels the only one.
+
+    Two that differ are one that is not known. Beside an own unit a line counts if it names no other quantity.
+    """
+    labels = [label for label in map(labelled_unit, lines) if label and is_unit(label[1], of)]
+    said = dict.fromkeys(unit for words, unit in labels if not own or not words)
+    if own and not is_unit(own, of):
+        return own
+    units = [own, *(unit for unit in said if not own or measure(unit, of) != measure(own, of))] if own else [*said]
+    return " or ".join(filter(None, units)) or None
+
+
+def mentioned(lines: Iterable[str], of: tuple[str, ...] = LENGTH) -> str:
+    """Why a unit in some line above the numbers is not used: it may be of anything; "" where there is none."""
     for line in reversed(list(lines)):
         for word in re.findall(r"[^\W\d_]{2,}", plain_unit(line).replace("_", " ")):
-            if is_unit(word) and word.lower() != "in":
+            if is_unit(word, of) and word.lower() != "in":
                 return f"; the line {' '.join(line.split())[:40]!r} names {word}, but not of which column"
     return ""
