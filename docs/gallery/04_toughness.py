@@ -1,7 +1,7 @@
 """A mix of opening and shear breaks the interface more easily.
 
 The toughness is the energy release rate at which an edge advances. With phi_t = phi_n, opening weakens a spring
-against shear, and shear weakens it against opening. At a mode angle of 45 degrees the toughness is 0.668 phi_n.
+against shear, and shear weakens it against opening. At a mode angle of 45 degrees the toughness is 0.67 phi_n.
 """
 
 import numpy as np

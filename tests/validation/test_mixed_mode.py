@@ -99,7 +99,7 @@ def test_toughness_of_a_potential_is_its_work_of_separation_at_every_angle():
 
 @pytest.mark.parametrize("angle", [0.0, 30.0, 60.0, 75.0])
 def test_integrated_crack_tip_agrees_with_the_closed_form_of_a_ray(angle):
-    """Just beside c = 1 the crack tip is integrated; its trapezoid is good to 1e-3."""
+    """Just beside c = 1 the crack tip is integrated, to 1e-3."""
     delta_t = sqrt(2.0)
     ray = toughness(Scene(delta_t=delta_t, phi_n=1.0), np.radians(angle))
     tip = toughness(Scene(delta_t=delta_t * (1.0 + 1e-6), phi_n=1.0), np.radians(angle))
@@ -119,6 +119,17 @@ TIPS = {
 def test_toughness_over_the_mode_angle_agrees_with_another_program(ratio, delta_t):
     found = toughness(Scene(phi_n=1.0, phi_ratio=ratio, delta_t=delta_t), np.radians([0, 15, 30, 45, 60, 75]))
     assert found == pytest.approx(TIPS[ratio, delta_t], abs=4e-3)
+
+
+# Gamma/phi_n at an angle of 0.1, of 400 cells; shear lengthens the zone of these, and opening does not
+LONG = {(0.001, 1.0): 0.0885, (0.01, 1.0): 0.4498, (0.01, 3.0): 0.4839, (0.05, 5.0): 0.8228, (1.0, 20.0): 0.9984}
+
+
+@pytest.mark.parametrize(("ratio", "delta_t"), LONG)
+def test_opening_alone_costs_the_work_of_separation_however_weak_the_shear(ratio, delta_t):
+    """The error is that of 120 cells."""
+    found = toughness(Scene(phi_n=1.0, phi_ratio=ratio, delta_t=delta_t), [0.0, 0.1])
+    assert found == pytest.approx([1.0, LONG[ratio, delta_t]], abs=2e-3)
 
 
 def test_toughness_names_what_it_cannot_answer():
