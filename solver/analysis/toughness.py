@@ -34,7 +34,7 @@ EDGE_UNITS = ("x", "nm"), ("J", "N/m"), ("psi", "rad")  # of an Edge
 class Edge(NamedTuple):
     """An edge of a contact as a crack tip."""
 
-    x: float  # nm, undeformed, where the normal traction changes its sign
+    x: float  # nm from the middle of the cell, undeformed, where the normal traction changes its sign
     J: float  # N/m, energy release rate
     psi: float  # rad, mode angle of the far field: 0 opening, towards pi/2 shear
 
@@ -149,20 +149,21 @@ def release_rates(frame: Frame) -> tuple[Edge, Edge]:
     where = edges(frame)
     if len(where) != 1 or not np.isfinite(where).all():
         raise ValueError("release rates need one part in contact, with two edges; choose another frame")
-    u, T = frame.u, frame.T
-    node = frame.first + np.arange(u.shape[1])
-    x = node * scene.spacing
-    middle = int(np.argmin(np.abs(x - where.mean())))
+    n, middle = frame.u.shape[1], round(where.mean() / scene.spacing)
+    # the contact may lie across the ends of the cell: then once round, from opposite to it
+    node = np.arange(n) + (middle - n // 2 if n == scene.nodes else frame.first)
+    u, T, gap = (field[..., (node - frame.first) % n] for field in (frame.u, frame.T, frame.gap))
+    x, middle = node * scene.spacing, middle - node[0]
     inside = (x >= where[0, 0]) & (x <= where[0, 1])
     if (np.abs(u[0, inside]) > 0.5 * scene.spacing).any():
         raise ValueError("a node in contact passed to another site; choose a frame before the first slip")
-    apart = np.stack((u[0], frame.gap))
+    apart = np.stack((u[0], gap))
     stiffness = -tangent(scene, apart[0, middle], apart[1, middle])[[0, 3]]
     stored = 0.5 * T[:, middle] ** 2 / np.maximum(stiffness, np.finfo(float).tiny)
     left, right = slice(middle, None, -1), slice(middle, None)
     return (
-        _edge(where[0, 0], stored, T[:, left], apart[:, left]),
-        _edge(where[0, 1], stored, T[:, right], apart[:, right]),
+        _edge(where[0, 0] - 0.5 * scene.width, stored, T[:, left], apart[:, left]),
+        _edge(where[0, 1] - 0.5 * scene.width, stored, T[:, right], apart[:, right]),
     )
 
 
