@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..continuation.state import ROUND_OFF, Outcome
 from ..mechanics.layer import Convolution, Modes
-from .frame import Frame, SlipEvent, largest_safe_damping, slides_in
+from ..scene import Scene
+from .frame import Frame, SlipEvent, Stage, largest_safe_damping, slides_in
 from .load_steps import load_steps_of
 
 
@@ -90,8 +91,13 @@ def kind_of(frame: Frame, event: SlipEvent) -> str:
 
     They are apart where every gap is beyond the peak of adhesion, at delta_n.
     """
-    apart = frame.stage.kind == "unload" and event is frame.slips[-1] and frame.gap.min() > frame.scene.delta_n
-    return "pull-off" if apart else event.kind
+    last = event is frame.slips[-1] and frame.stage in retractions(frame.scene)
+    return "pull-off" if last and frame.gap.min() > frame.scene.delta_n else event.kind
+
+
+def retractions(scene: Scene) -> set[Stage]:
+    """The stages of a scene's path along which delta falls, straight up or obliquely."""
+    return {step.stage for step in load_steps_of(scene) if step.loading.direction[1] > 0.0}
 
 
 def first_slip_in(frames: Sequence[Frame]) -> tuple[Frame, SlipEvent] | None:
@@ -108,9 +114,9 @@ def summarize(frames: Sequence[Frame], outcome: Outcome = Outcome.FINISHED) -> d
 
     Example: `summarize(simulate(Scene()).frames)["U_s"]`
 
-    A jump where a held load takes over ("control") counts among the slips, but is not the first one. Only a stage
-    'unload' has L_min (N/m), the largest pull: the least load of the retraction; and L_off (N/m), the parting load:
-    that just before the surfaces part, None where they do not.
+    A jump where a held load takes over ("control") counts among the slips, but is not the first one. Only a path
+    with stages along which delta falls has L_min (N/m), the largest pull: the least load of these; and L_off (N/m), the
+    parting load: that just before the surfaces part, None where they do not.
     """
     least = least_force(frames)
     events = [values_of(f, event, least) for f in frames for event in f.slips]
@@ -131,7 +137,8 @@ def summarize(frames: Sequence[Frame], outcome: Outcome = Outcome.FINISHED) -> d
         "L_s": first.get("L"),
         "A_s": first.get("A"),
     }
-    if retraction := [f.L for f in after if f.stage.kind == "unload"]:
+    lifted = retractions(frames[0].scene) if frames else ()
+    if retraction := [f.L for f in after if f.stage in lifted]:
         parted = (event["L"] for event in events if event["kind"] == "pull-off")
         summary |= {"L_min": min(retraction), "L_off": next(parted, None)}
     return summary

@@ -55,6 +55,17 @@ def test_an_oblique_line_ends_at_its_point_and_keeps_the_energy_balance():
     assert work.top[-1] == pytest.approx(entered[-1], rel=2e-3)
 
 
+def test_an_oblique_retraction_parts_the_surfaces_as_one_straight_up_does():
+    """By a twelfth along x: half a nanometre of shear hardly changes the parting load."""
+    points = (f"0,-1; 0,0.2; {U_x},-1" for U_x in (0, 1))
+    up, oblique = (simulate(Scene(path="points", points=each, du_x=0.5, du_z=0.5)) for each in points)
+    assert oblique.slips["kind"].iloc[-1] == "pull-off"
+    vertical, found = (summarize(result.frames) for result in (up, oblique))
+    assert found["L_off"] == oblique.pull_off.L
+    for name in ("L_off", "L_min"):
+        assert found[name] == pytest.approx(vertical[name], rel=0.01)
+
+
 def test_an_end_on_an_oblique_line_does_not_depend_on_the_increment():
     ends = [
         [
