@@ -94,11 +94,12 @@ def _of_the_layer(scene):
         )
     h, k = scene.height * scene.width, Modes.of(scene).stiffness[:2, 0]  # of layer and drive; the layer's share:
     shares = 1.0 - k * scene.drive_compliance
-    strain = (abs(scene.deepest) * shares[1] + scene.farthest * shares[0]) / h
+    sheared, pressed = scene.farthest * shares[0], abs(scene.deepest) * shares[1]
+    strain = (sheared + pressed) / h
     if strain > STRAIN:
         yield (
             f"The layer is strained by up to {100 * strain:.0f} %. Beyond {100 * STRAIN:.0f} % it is not linear:"
-            " shear less far, or use a higher layer."
+            f" {'shear less far' if sheared > pressed else 'press less deep'}, or use a higher layer."
         )
 
 

@@ -285,7 +285,7 @@ class Scene:
     @property
     def farthest(self) -> float:
         """Largest displacement of the stage along x, either way, nm."""
-        return max((abs(leg.end[0]) for leg in self.legs), default=self.u_x_max)
+        return max((abs(leg.end[0]) for leg in self.legs), default=0.0 if self.path == "unload" else self.u_x_max)
 
     @property
     def approach_increments(self) -> int:
@@ -294,8 +294,8 @@ class Scene:
 
     @property
     def shear_increments(self) -> int:
-        """Whole increments from U_x = 0 to at most u_x_max."""
-        return floor(self.u_x_max / (self.du_x * self.delta_t) + 1e-9)
+        """Whole increments from U_x = 0 to at most `farthest`, which is u_x_max where the stage is sheared."""
+        return floor(self.farthest / (self.du_x * self.delta_t) + 1e-9)
 
     def shear_at(self, k: int) -> float:
         """U_x of shear increment k, nm."""

@@ -21,11 +21,22 @@ def test_the_default_scene_needs_no_caution():
         (Scene(radius=1.0), 0.3, "slopes are not small"),
         (Scene(u_x_max=400.0), 0.3, "strained by up to 16 %"),
         (Scene(height=0.1), 0.3, "strained by up to 16 %"),
+        (Scene(height=0.1), 0.3, "shear less far"),
+        (Scene(height=0.1, delta_bar=5.0, path="unload"), 0.3, "press less deep, or use a higher layer"),
     ],
 )
 def test_each_questionable_parameter_gives_one_caution(scene, widest, said):
     (sentence,) = cautions(scene, widest)
     assert said in sentence
+
+
+@pytest.mark.parametrize("values", [{}, {"u_x_max": 1e4, "du_x": 1e-3}, {"u_x_max": 1e4, "E": 0.1, "phi_n": 1.0}])
+def test_a_layer_that_is_never_sheared_needs_neither_a_caution_nor_increments_for_it(values):
+    """Of path 'unload' u_x_max is no part: U_x stays 0."""
+    scene = Scene(path="unload", height=0.1, **values)
+    assert cautions(scene) == cautions(scene.changed(u_x_max=0.0))
+    assert (scene.farthest, scene.shear_increments) == (0.0, 0)
+    assert not any("strained" in sentence for sentence in cautions(scene))
 
 
 def test_too_weak_damping_gives_a_caution_with_a_safe_value():
