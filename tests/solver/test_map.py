@@ -245,6 +245,15 @@ def test_pull_off_is_mapped_from_retractions():
     assert found[1].L_off == numbers["L_off"]
 
 
+def test_regime_of_a_retraction_says_whether_the_surfaces_touched_and_parted():
+    """The attraction of a soft layer holds beyond the highest end of a retraction."""
+    scene = SMALL.changed(path="unload", du_z=0.5)
+    regimes = {"never touches": {"delta_bar": -0.9}, "detaches": {"delta_bar": 0.1}, "sticks": {"E": 0.1, "phi_n": 1.0}}
+    for regime, values in regimes.items():
+        point, _ = computed(scene.changed(**values))
+        assert (point.regime, point.reason) == (regime, "")
+
+
 @pytest.mark.parametrize(
     "values",
     [("speed", 1.0, 2.0, 3), ("nodes", 64.0, 128.0, 3), ("E", 0.0, 20.0, 3), ("E", 5.0, 5.0, 3), ("E", 10.0, 20.0, 1),

@@ -9,7 +9,8 @@ from ...following.skeleton import Skeleton
 from ...run.frame import Frame, SlipEvent, slips_in
 from ..peeling import peel_asymmetry
 
-# A contact touches where a node has passed the peak of adhesion, at the gap delta_n. All regimes are up to u_x_max
+# A contact touches where a node has passed the peak of adhesion, at the gap delta_n. All regimes are up to u_x_max,
+# or up to the end of a retraction
 REGIMES = (
     "no result",
     "never touches",

@@ -105,8 +105,9 @@ def computed(scene: Scene, limit: float | None = None) -> tuple[Point, Skeleton 
     if skeleton is None and sheared and touches(sheared[0]):
         skeleton = _skeleton(scene, checkpoint)
     if scene.path == "unload" and not reason:
-        summary = summarize(frames)
-        numbers = {"regime": STICKS} | {name: summary[name] for name in ("A_0", "L_min", "L_off")}
+        summary, lifted = summarize(frames), [frame for frame in frames if frame.stage == "unload"]
+        regime = NEVER_TOUCHES if not touches(lifted[0]) else STICKS if touches(lifted[-1]) else DETACHES
+        numbers = {"regime": regime} | {name: summary[name] for name in ("A_0", "L_min", "L_off")}
     else:
         numbers = _of_shear(sheared, skeleton, reason, off)
     return Point(**numbers, evaluations=spent), skeleton
