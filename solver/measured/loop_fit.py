@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from ..continuation.state import OutOfTime
 from ..run.loadpath import load_path
-from ..scene import LIMITS, Scene
+from ..scene import LIMITS, Scene, SceneError
 from ..surfaces import DataError
 from ..text import counted
 from .comparison import Comparison, compared
@@ -146,6 +146,11 @@ def fit_of_loop(
     """The Fit of a Recording of a loop: of its first pull, if it has that, then of all of it."""
     if measured.unfit:
         raise DataError(measured.unfit)
+    if scene.hold == "load":  # its runs go through points, which hold no load
+        raise SceneError(
+            "hold", "load", "allowed in a fit of a loop: delta", "use hold=delta, or fit its first pull only"
+        )
+    begun = thread_time()
     # near: whether the start is that of a fit of the first pull, so that the finest mean suffices
     start, near = np.array([getattr(scene, name) for name in free]), False
     first, unit = measured.segments[0], scene.width * scene.E
@@ -159,7 +164,7 @@ def fit_of_loop(
             start, near = np.array(list(fit_of_stroke(scene, stroke, free, 0.5 * limit).values.values())), True
         except (*NO_RUN, TimeoutError):  # then the search begins where the scene is
             pass
-    model = LoopModel(scene, measured, free, limit, executor)
+    model = LoopModel(scene, measured, free, limit - (thread_time() - begun), executor)
     jacobian, caution = model.search(start, POINTS[-1:] if near else POINTS, limit)
     assert model.best  # a search computes one run at least, or raises
     _, x, found = model.best
@@ -168,6 +173,8 @@ def fit_of_loop(
     freedom = max(1, int(calm.sum()) - x.size)
     chi2 = float((off[calm] ** 2).sum()) / freedom
     reached = chi2 < 1.0 + 5.0 * (2.0 / freedom) ** 0.5 and calm.mean() > CALM
+    if not reached:  # by the points that do not fit, too
+        chi2 = float(off @ off) / max(1, off.size - x.size)
     deviation, correlations = uncertainty(jacobian if jacobian is not None else np.zeros((1, x.size)))
     deviation *= max(1.0, chi2) ** 0.5
     warnings = [*[caution] * bool(caution), *[NO_LOOP] * (not reached), *alike(free, correlations)]

@@ -204,9 +204,9 @@ def uncertainty(jacobian: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDA
     """(standard deviations (n,), correlations (n, n)) of parameters, from residuals' derivatives (k, n)."""
     size = np.maximum(np.linalg.norm(jacobian, axis=0), TINY)
     curvature, ways = np.linalg.eigh((jacobian / size).T @ (jacobian / size))
-    covariance = (ways / np.maximum(curvature, FLAT)) @ ways.T / np.outer(size, size)
-    deviation = np.sqrt(np.diag(covariance))
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):  # without a derivative a deviation is inf
+        covariance = (ways / np.maximum(curvature, FLAT)) @ ways.T / np.outer(size, size)
+        deviation = np.sqrt(np.diag(covariance))
         return deviation, covariance / np.outer(deviation, deviation)
 
 

@@ -5,9 +5,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from solver import DataError, Scene, fit, read_measurement, simulate
+from solver import DataError, Scene, SceneError, fit, read_measurement, simulate
+from solver.continuation.state import OutOfTime
+from solver.measured import loop_fit
 from solver.measured.loop_fit import POINTS, LoopModel
 from solver.measured.measurement import Measurement, turns_of
+from solver.measured.stroke_fit import uncertainty
 
 SMALL = Scene(nodes=64, width=160.0, radius=0.6, delta_bar=0.1, u_x_max=8.0, du_x=0.2, du_z=0.5, E=30.0)
 NOISE = 0.01  # of the largest force
@@ -251,6 +254,41 @@ def test_the_derivatives_of_a_loop_are_those_of_its_residuals_and_it_leaves_the_
     _, x, _ = model.best
     assert not caution and x[0] == pytest.approx(1.0, abs=0.05)
     assert jacobian == pytest.approx(model.jacobian(x, POINTS[-1]), rel=1e-9)
+
+
+def test_chi_squared_of_a_loop_that_does_not_fit_counts_every_point(loop):
+    found = fit(SMALL.changed(phi_ratio=0.8), measured_loop(loop), ["E"])
+    assert not found.reached and np.abs(found.residuals).max() > 5.0
+    assert found.chi2 == pytest.approx((found.residuals**2).sum() / (found.residuals.size - 1)) and found.chi2 > 5.0
+
+
+def test_a_fit_of_a_loop_takes_the_time_of_its_first_pull_off_its_limit(loop, monkeypatch):
+    clock, left = [0.0], []
+
+    def pull(*_):
+        clock[0] += 20.0
+        raise TimeoutError
+
+    def search(model, *_):
+        left.append(model.left)
+        raise OutOfTime("no more")
+
+    monkeypatch.setattr(loop_fit, "thread_time", lambda: clock[0])
+    monkeypatch.setattr(loop_fit, "fit_of_stroke", pull)
+    monkeypatch.setattr(LoopModel, "search", search)
+    with pytest.raises(OutOfTime):
+        fit(SMALL, measured_loop(loop), ["E"], limit=50.0)
+    assert left == [30.0]
+
+
+def test_a_fit_of_a_loop_under_a_held_load_is_refused_in_words_of_the_fit(loop):
+    with pytest.raises(SceneError, match=r"^hold = 'load': allowed in a fit of a loop: delta; use hold=delta"):
+        fit(SMALL.changed(hold="load"), measured_loop(loop), ["E"], limit=0.0)
+
+
+@pytest.mark.filterwarnings("error")
+def test_without_derivatives_a_deviation_is_infinite_and_no_warning_of_numpy_is_printed():
+    assert uncertainty(np.zeros((1, 2)))[0].tolist() == [np.inf, np.inf]
 
 
 def test_rows_of_a_loop_are_over_the_units_of_their_names(loop):
