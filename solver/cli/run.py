@@ -53,7 +53,8 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    limit = time_limit(scene, arguments.limit) if arguments.method == "fast" else arguments.limit or inf
+    default = None if arguments.method == "fast" else inf
+    limit = time_limit(scene, default if arguments.limit is None else arguments.limit)
     if arguments.limit is None and limit < inf:
         caution(
             [f"So soft a layer may take long. The run ends after {limit:g} s of processor time: --limit allows more."]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 
 from ..analysis.partial import DRIVE, continuous
+from ..run.loadpath import time_limit
 from ..scene import Scene
 from .content import Source
 from .curves import read_measurement
@@ -37,7 +38,7 @@ def fit(
 
     Example: `fit(Scene(), "measured.csv", ["phi_n"]).values`
     """
-    data = _fitted(scene, measured, free)
+    data, limit = _fitted(scene, measured, free), time_limit(scene, limit)
     if isinstance(data, Recording):
         return fit_of_loop(scene, data, tuple(free), limit, executor)
     return fit_of_stroke(scene, data, tuple(free), limit)

@@ -143,7 +143,7 @@ class Model:
         """The Skeleton of a scene from a run within the time left; raises as `skeleton_of`, and TimeoutError."""
         left = self.end - thread_time()
         try:
-            return skeleton_of(scene, min(RUN_LIMIT, left))
+            return skeleton_of(scene, max(0.0, min(RUN_LIMIT, left)))
         except OutOfTime:
             if left < RUN_LIMIT:
                 raise TimeoutError from None

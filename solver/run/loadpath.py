@@ -16,7 +16,8 @@ from ..continuation.trace import Trace
 from ..mechanics.contact import Contact, patch
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.surface import closed_stiffness, too_soft
-from ..scene import Scene, checked_scene, refuse_other
+from ..scene import Scene, SceneError, checked_scene, refuse_other
+from ..schema import as_number
 from ..threads import computation
 from .frame import Frame, SlipEvent, Stage, forces_and_area, frame_of
 from .load_steps import HIGHEST, LoadStep, load_steps_of, stretched
@@ -53,9 +54,12 @@ def time_limit(scene: Scene, limit: float | None = None) -> float:
     """Processor time (s) after which a run ends: `limit`, or if that is None SOFT_LIMIT for a soft layer, else inf.
 
     A layer is soft where phi_n/E exceeds delta_n, or phi_t/E delta_t: so far adhesion and friction stretch it.
+    Raises SceneError for a limit that is no number from 0 on.
     """
     if limit is not None:
-        return limit
+        if not (seconds := as_number(limit)) >= 0.0:
+            raise SceneError("limit", limit, "allowed: a number of seconds, 0 or more, or None", "give one of these")
+        return seconds
     soft = scene.phi_n > scene.E * scene.delta_n or scene.phi_t > scene.E * scene.delta_t
     return SOFT_LIMIT if soft else inf
 
@@ -136,7 +140,7 @@ class Run:
         """
         checkpoint = checkpoint or Checkpoint()
         refuse_other(self.scene, checkpoint.scene, "checkpoint")
-        left = whole
+        left = whole = time_limit(self.scene, whole)
         while not checkpoint.done:
             begun, last = thread_time(), deadline(limit) if whole == inf else deadline(left, inf, whole)
             frame, checkpoint = self.next_frame(checkpoint, observe or last)

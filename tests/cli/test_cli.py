@@ -417,6 +417,12 @@ def test_a_soft_layer_is_named_before_its_run_which_ends_by_the_limit(call):
     assert "So soft a layer may take long. The run ends after 50 s of processor time: --limit allows more." in err
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_by_any_method_ends_at_a_limit_of_zero(call, method):
+    code, _, err = call("run", "--method", method, "--limit", "0", "--set", *SMALL)
+    assert code == 1 and "takes more than 0 s of processor time" in err
+
+
 def test_a_failure_to_converge_exits_with_one_names_the_load_and_writes_the_frames_before(call, tmp_path, cut_short):
     message = "Not converged at U_x = 0.5: residual 2e-5; try a smaller du_x"
     cut_short(NotConverged(message), 101 + 5)

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from html import escape, unescape
-from math import inf
+from math import inf, nan
 from time import thread_time
 from types import SimpleNamespace
 
@@ -21,7 +21,9 @@ from solver import (
     Map,
     NotConverged,
     Scene,
+    SceneError,
     explore_map,
+    fit,
     load_path,
     plots,
     read_profile,
@@ -32,6 +34,7 @@ from solver import (
 )
 from solver.executors import processes
 from solver.files import report_of, write_npz
+from solver.measured.measurement import Measurement
 from solver.results import time_limit
 from solver.text import counted, in_ascii
 
@@ -195,6 +198,20 @@ def test_every_entry_takes_a_limit_of_processor_time():
     grid = Map(SMALL, Axis("delta_bar", 0.0, 0.1, 2), Axis("E", 60.0, 70.0, 2))
     with ThreadPoolExecutor(1) as executor:
         assert all("takes more than 0 s" in point.reason for point in explore_map(grid, executor, limit=0.0))
+
+
+@pytest.mark.parametrize("limit", [nan, -1.0, "5", True])
+def test_every_entry_rejects_a_limit_that_is_no_time(limit):
+    entries = (
+        lambda: simulate(SMALL, limit=limit),
+        lambda: list(load_path(SMALL, limit=limit)),
+        lambda: skeleton_of(SMALL, limit=limit),
+        lambda: sweep(SMALL, delta_bar=[0.1], limit=limit),
+        lambda: fit(SMALL, Measurement.of(np.arange(30.0), {"F_bar": np.arange(30.0)}), ["E"], limit=limit),
+    )
+    for entry in entries:
+        with pytest.raises(SceneError, match=r"^limit = .*: allowed: a number of seconds, 0 or more, or None; give"):
+            entry()
 
 
 def test_the_time_of_whoever_takes_the_frames_does_not_count():
