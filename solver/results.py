@@ -239,7 +239,8 @@ def simulate(
     limit: processor time of the run, s (default: none, but 50 s for a soft layer, as of `time_limit`).
     Returns a Result. Where an increment has no equilibrium in reach, the Result ends before it, `outcome` says how, and
     `failure` has the reason and a remedy. A contact that pulls off under its held load is no failure: see `pull_off`.
-    Raises SceneError for a load that the approach does not reach, TypeError for a scene that is none.
+    Raises SceneError for a load that the approach does not reach or the path cannot hold, TypeError for a scene that is
+    none.
 
     Example: `simulate(Scene(delta_bar=0.2)).table`
     """

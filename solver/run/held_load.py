@@ -32,9 +32,12 @@ def held_at(
     wanted = as_number(load)
     if not abs(wanted) < float("inf"):
         raise SceneError("load", load, "allowed: a finite number of N/m, negative for a pull", "give such a number")
+    if scene.path not in ("shear", "loop"):
+        allowed = f"allowed with path 'shear' or 'loop', not {scene.path!r}"
+        raise SceneError("load", load, allowed, "choose one of these, or leave load out")
+    scene = scene.changed(hold="load")  # raises for a drive_n before the approach is computed
     longest = LARGEST_RUN * scene.du_z * scene.delta_n / scene.delta_0 - 1.0
     most = min(LIMITS["delta_bar"].high, 0.999 * scene.height * scene.width / scene.delta_0, longest)
-    # `hold` and drive_n are checked by the last line
     run = Run(replace(scene, path="shear", hold="delta", u_x_max=0.0).changed(delta_bar=most))
     checkpoint, frames, least = Checkpoint(), list[Frame](), 0.0
     while True:
@@ -52,7 +55,7 @@ def held_at(
         place = f"delta_bar = {frame.delta / scene.delta_0:.4g}"
         jump = f"the approach jumps from {before.L:.4g} to {frame.L:.4g} N/m at {place}"
         raise SceneError("load", load, jump, "give a load outside that jump")
-    held = scene.changed(delta_bar=delta / scene.delta_0, hold="load")
+    held = scene.changed(delta_bar=delta / scene.delta_0)
     return held, *_passed(held, run.stepper.problem, frames, checkpoint)
 
 

@@ -358,6 +358,20 @@ def test_a_load_that_the_approach_does_not_reach_is_refused(load):
         simulate(small, load=load)
 
 
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"path": "points"}, "load = 10.0: allowed with path 'shear' or 'loop', not 'points'; choose one of these, or"),
+        ({"path": "unload"}, "load = 10.0: allowed with path 'shear' or 'loop', not 'unload'; choose one of these, or"),
+        ({"drive_n": 50.0}, "drive_n = 50.0: allowed with hold 'load'"),
+    ],
+)
+def test_a_load_that_a_path_cannot_hold_is_refused_before_the_approach_is_computed(values, said, monkeypatch):
+    monkeypatch.setattr("solver.run.held_load.Run", None)
+    with pytest.raises(SceneError, match=said):
+        simulate(SMALL.changed(**values), load=10.0)
+
+
 def test_a_run_has_one_stepper_for_each_step_of_its_path():
     """Its transforms are planned once: to plan them for every increment takes as long as to compute it."""
     run, steppers = Run(SMALL), {}
