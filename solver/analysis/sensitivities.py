@@ -11,7 +11,7 @@ phi, so that the fold remains one: G changes by <G_v, phi> times -<psi, R_vp phi
 C_psi is C^T psi, J_phi is dT/dv phi, and psi_R is <psi, R_U>.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -102,7 +102,7 @@ class Sensitivities:
 
 
 @computation
-def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branches: bool = True) -> Sensitivities:
+def sensitivities(skeleton: Skeleton, names: Iterable[str] | None = None, branches: bool = True) -> Sensitivities:
     """Derivatives of the slips and curves of a run by its parameters.
 
     Parameters: skeleton: as of `skeleton_of`; names: parameters, all `continuous` ones by default; branches: False for
@@ -113,6 +113,7 @@ def sensitivities(skeleton: Skeleton, names: Sequence[str] | None = None, branch
     Example: `sensitivities(skeleton_of(Scene())).slips[0].by["phi_n"]`
     """
     allowed = continuous(skeleton.scene)
+    names = None if names is None else tuple(names)
     for name in names or ():
         if name not in allowed:
             raise unknown_name(name, allowed)

@@ -9,7 +9,7 @@ Sources: Rice (1968) for the J-integral, Barenblatt (1962) for the balance at th
 
 from contextlib import suppress
 from functools import lru_cache
-from math import isclose, pi, radians
+from math import floor, isclose, pi, radians
 from typing import NamedTuple
 
 import numpy as np
@@ -56,9 +56,8 @@ def toughness(scene: Scene, psi: ArrayLike) -> NDArray[np.float64]:
     """
     angles = np.abs(np.asarray(psi, float))
     if not (angles <= LARGEST_ANGLE).all():
-        raise ValueError(
-            f"psi = {angles.max():.3g} rad; allowed: up to {LARGEST_ANGLE:.3g} either way; use a smaller angle"
-        )
+        most = floor(1e3 * LARGEST_ANGLE) / 1e3  # rounded down, so that the angle named is allowed
+        raise ValueError(f"psi = {angles.max():.6g} rad; allowed: up to {most:g} either way; use a smaller angle")
     if scene.phi_ratio == 0.0:
         raise ValueError("phi_ratio = 0: such an interface carries no shear; use a phi_ratio above 0")
     delta_t, opening = scene.delta_t / scene.delta_n, OPENING[scene.law]

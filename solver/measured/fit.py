@@ -1,6 +1,6 @@
 """Parameters from a measurement."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from concurrent.futures import Executor
 
 from ..analysis.partial import DRIVE, continuous
@@ -19,7 +19,7 @@ LIMIT = 60.0  # s of processor time, of a fit: on a quiet machine about as long 
 def fit(
     scene: Scene,
     measured: Measurement | Recording | Source,
-    free: Sequence[str],
+    free: Iterable[str],
     limit: float = LIMIT,
     executor: Executor | None = None,
 ) -> Fit:
@@ -38,10 +38,11 @@ def fit(
 
     Example: `fit(Scene(), "measured.csv", ["phi_n"]).values`
     """
-    data, limit = _fitted(scene, measured, free), time_limit(scene, limit)
+    names = free if isinstance(free, str) else tuple(free)
+    data, limit = _fitted(scene, measured, names), time_limit(scene, limit)
     if isinstance(data, Recording):
-        return fit_of_loop(scene, data, tuple(free), limit, executor)
-    return fit_of_stroke(scene, data, tuple(free), limit)
+        return fit_of_loop(scene, data, tuple(names), limit, executor)
+    return fit_of_stroke(scene, data, tuple(names), limit)
 
 
 def _fitted(scene, measured, free):
@@ -53,7 +54,7 @@ def _fitted(scene, measured, free):
     if isinstance(free, str) or not free:
         raise ValueError(f"free = {free!r}: allowed: a list of names, one or more; write [{free or allowed[0]!r}]")
     for name in free:
-        if name not in allowed or list(free).count(name) > 1:
+        if name not in allowed or free.count(name) > 1:
             first = f"; give {name} a number first, as inf is a rigid drive" * (name in DRIVE)
             raise ValueError(f"free = {name!r}: allowed, once each: {', '.join(allowed)}{first}")
     return data

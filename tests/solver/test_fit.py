@@ -369,6 +369,11 @@ def test_a_fit_needs_a_list_of_names(skeleton, free, write):
         fit(SMALL, measured(skeleton), free)
 
 
+def test_a_fit_takes_names_that_come_one_by_one(skeleton):
+    names = (name for name in ("E", "phi_n"))
+    assert list(fit(SMALL, measured(skeleton), names).values) == ["E", "phi_n"]
+
+
 # Before a fit computes
 
 

@@ -158,6 +158,11 @@ def test_later_slips_repeat_the_first_but_for_the_period(skeleton):
     assert last.by["E"].tolist() == before.by["E"].tolist()
 
 
+def test_names_may_come_one_by_one(skeleton):
+    by = sensitivities(skeleton, (name for name in ("E", "phi_n")), branches=False).slips[0].by
+    assert list(by) == ["E", "phi_n"]
+
+
 def test_smooth_sliding_has_curves_and_no_slips():
     scene = SMALL.changed(E=500.0, phi_ratio=0.05)
     found = sensitivities(skeleton_of(scene))
