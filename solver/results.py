@@ -133,11 +133,12 @@ class Result:
         """The stress in the layer (GPa) at the increment nearest to U_x (nm), of the first stage if several are.
 
         z (k,): heights above the lower surface, nm; by default 101 from the surface to the top of the layer.
-        Returns Stress(x (m,), z (k,), xx, zz, xz (k, m)). Raises ValueError for a z outside the layer.
+        Returns Stress(x (m,), z (k,), xx, zz, xz (k, m)). Raises ValueError for a z outside the layer, and
+        for a run without an increment.
         """
         from .analysis.interior import stress_in
 
-        return stress_in(min(self._after, key=lambda frame: abs(frame.U_x - U_x)), z)
+        return stress_in(min(self._shown, key=lambda frame: abs(frame.U_x - U_x)), z)
 
     @cached_property
     def edges(self) -> pd.DataFrame:
@@ -154,16 +155,17 @@ class Result:
         """F and L, A, and the normal traction over place and displacement, as a HoloViews layout.
 
         over_top: draw F, L and A over the displacement of the top of the layer, not of the stage. Only a drive with a
-        stiffness makes a difference. Raises ValueError for a path through points, whose length is that of the stage.
+        stiffness makes a difference. Raises ValueError for a path through points, whose length is that of the stage,
+        and for a run without an increment.
         """
         if over_top and self.scene.legs:
             raise ValueError("over_top = True; allowed with path 'shear', 'unload' or 'loop'; plot over the stage")
-        return plots.experiment(self.scene, self._after, over_top)
+        return plots.experiment(self.scene, self._shown, over_top)
 
     def save(self, file: str | PathLike) -> None:
         """Writes the plot as .html, .png or .svg, or the table as .csv; .png and .svg need matplotlib.
 
-        Raises ValueError for another suffix, ImportError without matplotlib.
+        Raises ValueError for another suffix and as `plot`, ImportError without matplotlib.
         """
         if Path(file).suffix == ".csv":
             self.table.to_csv(file, index=False, lineterminator="\n")
@@ -191,6 +193,13 @@ class Result:
     def _after(self) -> list[Frame]:
         """The Frames after the approach; of a run that failed before, those that there are."""
         return [frame for frame in self.frames if frame.stage != "approach"] or list(self.frames)
+
+    @property
+    def _shown(self) -> list[Frame]:
+        """As `_after`; raises ValueError, which says why, where there is no Frame at all."""
+        if not self.frames:
+            raise ValueError(f"the run has no increment to show: {self.failure or 'compute it by simulate'}")
+        return self._after
 
     @property
     def notes(self) -> list[str]:

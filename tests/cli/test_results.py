@@ -181,6 +181,15 @@ def test_a_run_beyond_its_limit_of_time_keeps_its_increments_and_gives_a_reason(
     assert approach.outcome == "out of time" and not approach.frames
 
 
+def test_a_run_without_an_increment_says_why_it_has_nothing_to_show(tmp_path):
+    empty = simulate(SMALL, limit=0.0)
+    assert not empty.frames and len(empty.table) == len(empty.edges) == 0
+    why = "^the run has no increment to show: Not converged .* takes more than 0 s .*; allow more time by limit="
+    for show in (lambda: empty.stress(0.0), empty.plot, lambda: empty.save(tmp_path / "run.html")):
+        with pytest.raises(ValueError, match=why):
+            show()
+
+
 def test_runs_of_layers_softer_than_the_adhesion_have_a_limit_of_time_within_a_minute():
     """phi_n/E is the stretch that adhesion can give a layer; delta_n its range."""
     assert time_limit(Scene()) == time_limit(Scene(E=10.0)) == inf
