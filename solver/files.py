@@ -72,7 +72,8 @@ def report_of(
     """What --json writes beside the version: scene, method and summary; raises SceneError for another one's frames."""
     _refuse_others(scene, frames)
     report = {"method": method, "scene": asdict(scene)}
-    ended = {"seconds": seconds, "outcome": str(outcome), "failure": failure, "left_out": left_out(frames)}
+    failed = None if outcome.reached else failure  # a pull-off under a held load is the end of a path
+    ended = {"seconds": seconds, "outcome": str(outcome), "failure": failed, "left_out": left_out(frames)}
     return report | summarize(frames, outcome) | {"cautions": cautions_of(scene, frames)} | ended
 
 

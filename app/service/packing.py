@@ -52,13 +52,14 @@ class Frames:
     sensitive: bool = False  # whether a slip is, as of `solver.Frame`
     ahead: int = 0  # frames left
     failure: str = ""  # why the run ended early
+    parted: str = ""  # where the contact pulled off under its held load, which ends a run as the end of its path does
     skeleton: Skeleton | None = None  # of a run that is done: a drag continues from it
 
     def __add__(self, more: "Frames") -> "Frames":
         """These frames and those that follow."""
         counted = (getattr(self, name) + getattr(more, name) for name in ("blocks", "frames", "evaluations"))
         largest = (max(getattr(self, name), getattr(more, name)) for name in LARGEST)
-        return Frames(*counted, *largest, more.ahead, more.failure, more.skeleton)  # type: ignore[call-arg]
+        return Frames(*counted, *largest, more.ahead, more.failure, more.parted, more.skeleton)  # type: ignore[call-arg]
 
 
 def packed(scene: Scene, rows: Any, done: bool) -> tuple[bytes, ...]:

@@ -141,7 +141,8 @@ def compute(
         safe_damping=largest_safe_damping(frames),
         sensitive=any(frame.sensitive for frame in frames),
         ahead=_ahead(scene, checkpoint),
-        failure=checkpoint.failure or "",
+        failure="" if checkpoint.outcome.reached else f"{checkpoint.failure}",
+        parted=f"{checkpoint.failure}" if checkpoint.outcome is Outcome.PULLED_OFF else "",
         skeleton=_skeleton(scene, checkpoint),
     )
     return made if checkpoint.done else Part(pickle.dumps((checkpoint, last, heavy)), made, heavy)

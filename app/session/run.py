@@ -71,8 +71,8 @@ class Run:
 
     def end(self, result: Any) -> None:
         """Finish, or fail: result is that of its job."""
-        why = result.failure if isinstance(result, Frames) else reason(result)
-        self.state, self.why = ("failed", why) if why else ("finished", "")
+        failure = result.failure if isinstance(result, Frames) else reason(result)
+        self.state, self.why = ("failed", failure) if failure else ("finished", result.parted)
 
     def ends_within(self, seconds: float) -> bool:
         """Whether the run ends within `seconds` at its current rate."""

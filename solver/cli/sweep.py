@@ -5,6 +5,7 @@ from contextlib import nullcontext
 from typing import Any
 
 from .. import sweep
+from ..continuation.state import Outcome
 from ..executors import processes
 from ..files import write_table
 from ..scene import LIMITS, PARAMETERS, Scene
@@ -14,7 +15,7 @@ from .options import NOT_CONVERGED, add_command, add_file, add_limit, count, wri
 from .pairs import settings
 
 FORM = "NAME=VALUE,VALUE,..."
-COMPUTED = ("slips", "no slip")  # outcomes that are results
+COMPUTED = ("slips", "no slip", Outcome.PULLED_OFF)  # outcomes that are results
 
 
 def add_sweep(commands: Any) -> None:

@@ -8,7 +8,7 @@ import signal
 import numpy as np
 import pytest
 from helpers import until
-from visitor import SHORT, Page, say, unpacked, whole_run
+from visitor import PARTING, SHORT, Page, say, unpacked, whole_run
 
 from app import experiment as session_module
 from app.experiment import example
@@ -175,6 +175,13 @@ def test_a_run_is_unchanged_after_its_worker_is_killed_and_replaced(page, pool, 
     assert len(page.curve("F_bar")) == len(undisturbed)
     # slices are cut by the clock, so the same increments may end elsewhere within the tolerance
     np.testing.assert_allclose(page.curve("F_bar"), undisturbed, atol=1e-6 * np.abs(undisturbed).max() + 1e-10)
+
+
+def test_a_run_that_pulls_off_under_its_held_load_finishes_and_is_cached(page):
+    page.session.show(PARTING, "fig6")
+    page.until("finished")
+    assert page.session.run.scene == PARTING and "has pulled off at U_x = " in page.status()["why"]
+    assert page.session.jobs.keeps(worker.compute, PARTING)
 
 
 @pytest.mark.thorough

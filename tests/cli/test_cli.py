@@ -547,6 +547,12 @@ def test_sweep_prints_and_writes_the_first_slip_of_every_combination(call, tmp_p
     assert [float(row["U_s (nm)"]) for row in written] == table["U_s (nm)"].tolist()
 
 
+def test_a_combination_of_a_sweep_that_pulls_off_is_a_result(call):
+    small = "nodes=64", "width=160", "radius=0.2", "du_z=0.5", "du_x=0.5", "u_x_max=10", "phi_ratio=0.5", "hold=load"
+    code, out, _ = call("sweep", "--set", *small, "--over", "delta_bar=-0.2,0")
+    assert code == 0 and "pulled off" in out
+
+
 @pytest.mark.parametrize(
     ("over", "words"),
     [("phi_rati=1", "did you mean phi_ratio?"), ("phi_ratio", "give NAME=VALUE,VALUE,..."), ("E=1,x", "E = 'x'")],

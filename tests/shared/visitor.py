@@ -18,6 +18,9 @@ from app.stage import Wire
 from solver import Scene
 
 SHORT = Scene(u_x_max=6.0)
+PARTING = Scene(  # its contact pulls off under the held load
+    nodes=64, width=160.0, radius=0.2, du_z=0.5, du_x=0.5, u_x_max=10.0, hold="load", delta_bar=-0.2, phi_ratio=0.5
+)
 OWN = Wire, Wire.__mro__[1]  # the latter has the parameters of features
 PATIENCE = 240  # s; a limit against hanging, not a claim about speed
 

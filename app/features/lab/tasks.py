@@ -27,6 +27,6 @@ def flat_frames(scene: Scene, state: Any = None) -> list[Frame] | Part:
     done, checkpoint = state or ([], None)
     frames, checkpoint = advance(scene, checkpoint, SLICE, limit=worker.SLOW)
     done += [replace(frame, u=frame.u[:, :1], T=frame.T[:, :1]) for frame in frames]
-    if checkpoint.failure:
-        raise NotConverged(checkpoint.failure, checkpoint.outcome)
+    if not checkpoint.outcome.reached:
+        raise NotConverged(f"{checkpoint.failure}", checkpoint.outcome)
     return done if checkpoint.done else Part((done, checkpoint))

@@ -107,9 +107,9 @@ const STATES = { // {state of a run: its text}
   refining: ({ frames, total }) => `${frames} of ${total} increments`,
   skipped: ({ frames, total }) => `the last ${total - frames} of ${total} increments; what was computed stays`,
   failed: ({ why }) => why,
-  finished: () => {
+  finished: ({ why }) => {
     const cycle = me.run?.dissipated ?? null
-    return cycle === null ? "" : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
+    return cycle === null ? why : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
   },
 }
 

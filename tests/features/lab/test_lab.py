@@ -3,7 +3,7 @@
 from functools import partial
 from math import inf
 
-from visitor import in_slices
+from visitor import PARTING, in_slices
 
 from app.features.lab import tasks
 from app.features.lab.feature import listed
@@ -25,6 +25,11 @@ def test_sliced_frames_of_a_flat_equal_those_of_a_whole_run(monkeypatch):
     assert count == len(whole) - 1
     assert [(frame.U_x, frame.F_bar) for frame in frames] == [(frame.U_x, frame.F_bar) for frame in whole]
     assert friction_force(FLAT, frames) == friction_force(FLAT, whole)
+
+
+def test_a_run_that_pulls_off_has_frames_up_to_there():
+    frames, _ = in_slices(tasks.flat_frames, PARTING)
+    assert frames[-1].stage == "shear" and frames[-1].U_x < PARTING.u_x_max
 
 
 def test_a_run_that_runs_out_of_time_reports_where(monkeypatch):

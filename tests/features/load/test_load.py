@@ -1,6 +1,6 @@
 """The page of friction over load, without a browser."""
 
-from visitor import in_slices, order
+from visitor import PARTING, in_slices, order
 
 from app.features.load.tasks import first_slip
 from solver import Scene
@@ -31,6 +31,11 @@ def test_sweep_of_the_press_depth_publishes_a_point_per_slip_and_ends_with_the_p
     assert page["texts"]["load-why"] == "Not computed at δ/δ₀ = 0.2: no equilibrium"
     order(session, "page", page="")
     assert all(job.done() for job in calls if job.call[0] is first_slip)
+
+
+def test_a_run_that_pulls_off_before_a_slip_has_no_point_and_no_reason():
+    assert row_of(PARTING)["outcome"] == "pulled off"
+    assert in_slices(first_slip, PARTING)[0] is None
 
 
 def test_sweep_of_a_path_that_sets_its_own_depth_says_why_there_is_none(session):

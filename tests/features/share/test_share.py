@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from visitor import Page, messages, say
+from visitor import PARTING, Page, messages, say
 
 from app.features.share import feature as share
 from app.features.share import tasks
@@ -32,6 +32,12 @@ def test_exported_files_larger_than_the_limit_are_rejected(page, monkeypatch):
         page.run_scheduled(lambda: page.messages)
         file = page.messages.pop()
         assert file["kind"] == "file" and file["why"] == why and (len(file["body"]) > 1000) == (not why)
+
+
+def test_the_file_of_a_run_that_pulls_off_reports_no_failure():
+    """As `run --json` and `Result.failure`: all equilibria of the path were computed."""
+    report = json.loads(tasks.file_of_run(PARTING, "json"))
+    assert (report["outcome"], report["converged"], report["failure"]) == ("pulled off", True, None)
 
 
 def test_two_files_asked_for_at_once_both_come(page):
