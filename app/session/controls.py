@@ -163,12 +163,12 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
         base = feature.scene_of(base, entries, notes)
     remarks = []
     scene, errors = changed_scene(base, entries, remarks)
-    if errors:
-        scene, errors = base, {}
+    if errors and scene is base:  # the valid values together are refused: check each alone
+        errors = {}
         remarks.clear()
-        for entry, text in entries.items():  # check each alone
+        for entry, text in entries.items():
             scene, more = changed_scene(scene, {entry: text}, remarks)
-            errors |= more
+            errors |= {entry: "".join(more.values())} if more else {}
     notes += remarks + [
         f"{entry} in the address: {message.removesuffix(STAYS)} The default {shown(getattr(base, entry))} is used."
         for entry, message in errors.items()

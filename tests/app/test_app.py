@@ -66,6 +66,24 @@ def test_each_address_value_is_validated_on_its_own():
     assert "Stiffness" in notes[1] and "0.01 to 10⁶ GPa" in notes[1]
 
 
+def test_an_invalid_value_of_an_address_leaves_the_others_together_valid():
+    """waves=200 needs more nodes than the default, width=50 fewer."""
+    for others in (
+        {"surface": "wave", "amplitude": 0.3, "waves": 200, "nodes": 4096},
+        {"width": 50.0, "nodes": 20},
+    ):
+        arguments = {name: [str(value).encode()] for name, value in others.items()}
+        scene, _, (note,) = scene_from_address({"E": [b"7o"]} | arguments)
+        assert scene == Scene(**others) and note.startswith("E in the address")
+
+
+def test_each_value_of_an_address_that_is_refused_beside_the_others_has_a_note():
+    arguments = {"du_x": [b"0.001"], "width": [b"50"], "E": [b"60"]}
+    scene, _, notes = scene_from_address(arguments)
+    assert scene == Scene(E=60.0) and [note.split()[0] for note in notes] == ["du_x", "width"]
+    assert "node spacing" in notes[1] and "The default 2500 is used" in notes[1]
+
+
 def test_an_address_holds_a_preset_and_its_changes():
     scene, preset, notes = scene_from_address(
         {"preset": [b"fig4a-blue"], "E": [b"90"], "width": [b"50"], "nodes": [b"20"]}
