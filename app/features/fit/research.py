@@ -22,9 +22,8 @@ from app.features.lab.base import LabPage, side_by_side
 from app.features.lab.tasks import flat_frames
 from app.service.job import HEAVY
 from app.session.orders import LARGEST
-from solver import DataError, fit
+from solver import fit
 from solver.live_plots import BLUE, DASHES, ORANGE, Curve
-from solver.measured.curves import read_measurement
 from solver.measured.measurement import Measurement, Recording
 from solver.text import counted
 
@@ -81,12 +80,7 @@ class Fit(LabPage):
         """
         if len(content) > LARGEST and not how:
             raise ValueError(f"the file has {len(content)} bytes; allowed: {LARGEST}; thin it out")
-        try:
-            measured = await self.call(partial(read_measurement, **how), self.scene, content, private=True)
-        except DataError as error:
-            remedy = "; read it over the run of the experiment, where the page asks, and fit from there"
-            remedy *= bool(error.call)
-            raise ValueError(f"{error.brief}{remedy}") from None
+        measured = await self.call(partial(tasks.measured, **how), self.scene, content, private=True)
         if isinstance(measured, Recording):
             loop = "this is a loop; the page takes one stroke; in Python, fit takes all of it"
             raise ValueError(measured.unfit or loop)

@@ -1,12 +1,24 @@
-"""Example data to be fitted, for workers."""
+"""Measured curves and example data to be fitted, for workers."""
+
+from typing import Any
 
 import numpy as np
 
-from solver import LIMITS, Scene
+from solver import LIMITS, DataError, Scene
 from solver.following.from_run import skeleton_of
-from solver.measured.measurement import Measurement
+from solver.measured.curves import read_measurement
+from solver.measured.measurement import Measurement, Recording
 
 POINTS, NOISE, APART = 400, 0.01, 1.2  # of example data: points, noise over the largest F, factor on phi
+
+
+def measured(scene: Scene, content: bytes, **how: Any) -> Measurement | Recording:
+    """Return the curve in a file; raises ValueError with the remedy of the page. how: as of `read_measurement`."""
+    try:
+        return read_measurement(scene, content, **how)
+    except DataError as error:
+        remedy = "; read it over the run of the experiment, where the page asks, and fit from there"
+        raise ValueError(f"{error.brief}{remedy * bool(error.call)}") from None
 
 
 def made_up_scene(scene: Scene, seed: int) -> Scene:

@@ -36,6 +36,7 @@ def test_a_fit_finds_the_parameters_of_example_data_and_gives_them_to_the_slider
         (b"U_x,F\n1,2\n1,x\n", "line 3: 'x' is not a number"),
         (b"U_x (nm),F (mN)\n" + ROWS, "divide it by the width of the contact"),
         (b"\xff\xfe\x00", "line 1: "),
+        (b"Weg (um),Kraft (mN)\n" + ROWS, "read it over the run of the experiment"),
         (b"1" * 2_000_001, "2000001 bytes; allowed: 2000000"),
     ],
 )
@@ -45,6 +46,7 @@ def test_an_unusable_file_is_reported_and_the_previous_measurement_stays(content
     assert "19 points" in page.text
     page.start(partial(page.read, content))
     assert said in page.text and page.measured.U_x.size == 19
+    assert "read_measurement" not in page.text  # no calls in Python
 
 
 def test_the_page_fit_reads_the_curve_over_the_run_of_the_experiment_or_asks_for_the_file(monkeypatch):
