@@ -14,7 +14,6 @@ from app.service.tasks import READING
 from app.session import orders
 from app.session.controls import refuse_large
 from app.session.orders import order
-from app.session.run import Request
 from solver import DataError, Profile, Scene, SceneError
 from solver.measured.content import MOST_BYTES
 
@@ -138,8 +137,7 @@ class Feature(interface.Feature):
         except SceneError as error:
             return {"why": f"{error}", "says": ""}
         self.content = b""
-        self.session.scene, self.session.errors, self.session.notes = scene, {}, [f"Profile: {' '.join(profile.notes)}"]
-        self.session.pursuit.request(Request(scene))
+        self.session.show(scene, self.session.preset, [f"Profile: {' '.join(profile.notes)}"])
         return {"used": tasks.SURFACE}
 
     def _lay(self, curve):

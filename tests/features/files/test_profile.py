@@ -97,8 +97,10 @@ def upload(page, text, **chosen):
 
 
 def test_an_uploaded_profile_is_used_and_its_processing_noted(page):
+    before = page.session.run.number
     upload(page, TEXT)
     page.until("finished")
+    assert page.session.run.number == before + 1  # requested once
     assert page.session.scene.width == 600.0 and page.session.scene.surface == "measured"
     assert any("201 points" in note for note in page.status()["notes"])
     assert values_of(page.session.scene)["surface"] == "measured"
