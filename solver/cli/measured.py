@@ -18,6 +18,8 @@ IN_PYTHON = {  # how a refusal calls an argument: the option
     r"\bunit='([^']*)'": r"--units '\1'",
 }
 OF_PROFILES, OF_CURVES, SHARED = ("line", "cut_off"), ("kind", "sign", "deflection", "speed"), ("part", "channel")
+FILES = "profile=FILE", "--measured FILE"
+USED_WITH = dict.fromkeys(OF_PROFILES, FILES[:1]) | dict.fromkeys(OF_CURVES, FILES[1:])  # other options with both
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
@@ -41,6 +43,15 @@ def add_curve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--speed", type=float, metavar="nm/s", help="of friction over time")
 
 
+def refuse_unused(arguments: Mapping[str, Any], profile: bool) -> None:
+    """Raises InputError for an option of a kind of file that is not read; profile: whether a profile is."""
+    files = {file for file, read in zip(FILES, (profile, "measured" in arguments), strict=True) if read}
+    for name in arguments:
+        if files.isdisjoint(wanted := USED_WITH.get(name, FILES)):
+            option, kinds = name.replace("_", "-"), " or ".join(wanted)
+            raise InputError(f"--{option}: used with {kinds}; name a file, or leave it out")
+
+
 def profile_of(file: str, width: float | None, arguments: Mapping[str, Any]) -> Profile:
     """The Profile in a file, read as the arguments say; raises InputError in words of the command line."""
     from ..measured.profile import read_profile
@@ -62,7 +73,7 @@ def curve_of(scene: Scene, arguments: Mapping[str, Any]) -> Any:
         return None
     from ..measured.curves import read_measurement
 
-    given = _given(arguments, OF_PROFILES, ("x", "z"))
+    given = _given(arguments, OF_PROFILES, ("x", "z") if scene.measured else ())
     try:
         return read_measurement(scene, Path(arguments["measured"]), **given)
     except DataError as error:

@@ -11,7 +11,7 @@ from ..presets import preset
 from ..run.loadpath import SOFT_LIMIT
 from ..scene import SET_BY_POINTS, Scene, SceneError
 from ..text import number_from_text, scene_from_text
-from .measured import add_reading, profile_of, reading
+from .measured import add_reading, profile_of, reading, refuse_unused
 from .pairs import InputError, settings
 
 NOT_CONVERGED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 2 as argparse, 130 as shells report Ctrl-C
@@ -47,10 +47,7 @@ def scene_of(pairs: Sequence[str], named: str | None = None, how: Mapping[str, A
     given = settings(pairs)
     texts = {name: str(value) for name, value in start.items()} | given
     file, profile, how = texts.pop("profile", None), None, how or {}
-    if file is None and "measured" not in how and how:
-        raise InputError(
-            f"--{next(iter(how))}: used with profile=FILE or --measured FILE; name a file, or leave it out"
-        )
+    refuse_unused(how, file is not None)
     notes: list[str] = []
     if file is not None:
         if given.get("surface", "measured") != "measured":

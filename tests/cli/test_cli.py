@@ -293,6 +293,25 @@ def test_the_unit_of_a_profile_that_names_none_is_given_beside_the_file(call, tm
         scene_of([], None, {"units": {"": "um"}})
 
 
+@pytest.mark.parametrize(
+    ("kind", "option", "words"),
+    [
+        ("curve", "--cut-off 5", "--cut-off: used with profile=FILE; name a file, or leave it out"),
+        ("curve", "--line row3", "--line: used with profile=FILE; name a file"),
+        ("curve", "--columns x=1", "columns has 'x'; allowed: U_x, "),
+        *(("profile", f"--{name}", "used with --measured FILE; name a file") for name in ("kind a", "speed 3")),
+        *(("profile", f"--{name}", "used with --measured FILE") for name in ("sign F=-1", "deflection 4")),
+        ("profile", "--columns F=2", "columns has 'F'; allowed: x, z"),
+    ],
+)
+def test_options_of_one_kind_of_file_are_refused_where_only_another_is_read(call, tmp_path, kind, option, words):
+    file = tmp_path / "file.csv"
+    file.write_text("".join(["U_x (nm),F (N/m)\n" if kind == "curve" else "x (nm),z (nm)\n", "0,0\n1,1\n2,1\n3,0\n"]))
+    given = ("--measured", file) if kind == "curve" else ("--set", f"profile={file}")
+    code, _, err = call("run", *given, *option.split())
+    assert code == 2 and words in err and err.count("\n") == 1
+
+
 def followed(err, **dots):
     """The options that a refusal names, their dots filled in."""
     words = shlex.split(err.rsplit("; add ", 1)[1])
