@@ -30,15 +30,22 @@ def write_table(file: str | PathLike, table: "pd.DataFrame") -> None:
     table.to_csv(file, index=False, lineterminator="\n")
 
 
-def write_npz(file: str | PathLike, scene: Scene, frames: Sequence[Frame], method: str = "fast") -> None:
+def write_npz(
+    file: str | PathLike,
+    scene: Scene,
+    frames: Sequence[Frame],
+    method: str = "fast",
+    outcome: Outcome = Outcome.FINISHED,
+) -> None:
     """Writes the columns of `curves_of`, by names without units, and the arrays of `fields_of`, after the approach.
 
-    `report` is JSON text: schema, version, commit, scene and method. Raises SceneError for frames of another scene.
+    `report` is JSON text: schema, version, commit, scene, method and outcome. Raises SceneError for frames of another
+    scene.
     """
     _refuse_others(scene, frames)
     after = [frame for frame in frames if frame.stage != "approach"]
     curves = {name.split(" ")[0]: np.array(values) for name, values in curves_of(after).items()}
-    report = {"method": method, "scene": asdict(scene)}
+    report = {"method": method, "scene": asdict(scene), "outcome": str(outcome)}
     arrays: dict[str, Any] = fields_of(after) | curves
     with open(file, "wb") as out:  # NumPy would append .npz to a name
         np.savez_compressed(out, **arrays, report=json.dumps(plain(origin() | report)))

@@ -71,7 +71,7 @@ def add_file(parser: argparse.ArgumentParser, option: str, content: str, **optio
 
 def add_limit(parser: argparse.ArgumentParser) -> None:
     """Adds --limit S."""
-    text = f"processor time of a run, default none, but {SOFT_LIMIT:g} s for a soft layer"
+    text = f"processor time of a run, default none, but {SOFT_LIMIT:g} s for a soft layer by fast"
     parser.add_argument("--limit", type=float, metavar="S", help=text)
 
 

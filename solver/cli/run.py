@@ -47,41 +47,42 @@ def run(scene: Scene, arguments: argparse.Namespace) -> int:
     for small in WARM_UP:
         with suppress(NotConverged):
             deque(load_path(small, method=arguments.method), maxlen=0)
-    if arguments.load is not None:
-        scene, *_ = held_at(scene, arguments.load, deadline(time_limit(scene, arguments.limit), inf))
-        print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {arguments.load:g} N/m")
     before = cautions(scene)
     caution(before)
     start = perf_counter()
-    default = None if arguments.method == "fast" else inf
-    limit = time_limit(scene, default if arguments.limit is None else arguments.limit)
-    if arguments.limit is None and limit < inf:
-        caution(
-            [f"So soft a layer may take long. The run ends after {limit:g} s of processor time: --limit allows more."]
-        )
-    result = compute(scene, arguments.method, limit)
-    frames, failure = result.frames, result.failure
+    result = compute(scene, arguments.method, arguments.limit, arguments.load)
+    scene, frames, failure = result.scene, result.frames, result.failure
     report = report_of(scene, frames, arguments.method, perf_counter() - start, failure, result.outcome)
     caution(sentence for sentence in report["cautions"] if sentence not in before)
     for note in scene.measured.notes if scene.measured else ():
         print(f"profile: {note}")
     print(described(report, len(frames), result.parted))
     write(arguments.csv, lambda file: write_table(file, result.table))  # which imports pandas
-    write(arguments.npz, write_npz, scene, frames, arguments.method)
+    write(arguments.npz, write_npz, scene, frames, arguments.method, result.outcome)
     write(arguments.json, write_json, report)
-    if curve is not None:
-        print(compared(curve, result))
     if failure is not None:
         print(failure, file=sys.stderr)
+    if curve is not None:
+        print(compared(curve, result))
     if result.outcome is Outcome.INTERRUPTED:
         return INTERRUPTED
     return 0 if report["converged"] else NOT_CONVERGED
 
 
-def compute(scene: Scene, method: str, limit: float = inf) -> Result:
-    """The Result of a load path, to its end, a failure or an interruption; limit: processor time, s."""
+def compute(scene: Scene, method: str, limit: float | None = None, load: float | None = None) -> Result:
+    """The Result of a load path, to its end, a failure or an interruption; load: N/m to hold, in place of delta_bar.
+
+    limit: processor time, s. By default it is that of `time_limit`, but none for gfmd, which is slow by design.
+    """
     frames: list[Frame] = []
+    if limit is None:
+        limit = time_limit(scene) if method == "fast" else inf
+        soft = f"So soft a layer may take long. The run ends after {limit:g} s of processor time: --limit allows more."
+        caution([soft] * (limit < inf))
     try:
+        if load is not None:
+            scene, *_ = held_at(scene, load, deadline(limit, inf))
+            print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {load:g} N/m")
         for frame in with_progress(scene, load_path(scene, method=method, limit=limit), leave=False, disable=None):
             frames.append(frame)
     except NotConverged as error:

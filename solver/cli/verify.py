@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import METHODS, Profile, Scene, SceneError, summarize
+from .. import METHODS, NotConverged, Profile, Scene, SceneError, summarize
 from ..continuation.state import Outcome
 from ..files import SCHEMA, origin, plain
-from ..run.loadpath import time_limit
 from ..run.summary import curves_of, fields_of
 from ..schema import RETIRED
 from .options import NOT_CONVERGED, add_limit
@@ -42,9 +41,11 @@ def verify(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.file!r}: {error.strerror}; {NEEDED}") from None
     except (AttributeError, KeyError, TypeError, ValueError, IndexError, zipfile.BadZipFile, SceneError) as error:
         raise InputError(f"{arguments.file!r}: not a run ({type(error).__name__}: {error}); {NEEDED}") from None
-    result = compute(scene, report["method"], time_limit(scene, arguments.limit))
+    result = compute(scene, report["method"], arguments.limit)
     if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
+    if result.outcome is Outcome.OUT_OF_TIME:  # where it ends does not depend on the scene alone
+        raise NotConverged(f"not compared: {result.failure}")
     frames, failure = result.frames, result.failure
     after = [frame for frame in frames if frame.stage != "approach"]
     arrays = fields_of(after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
@@ -80,6 +81,9 @@ def _read(file):
         if report[name] not in allowed:
             remedy = f"allowed: {', '.join(map(str, allowed))}; use the version that wrote it, or write it again"
             raise InputError(f"{file!r}: {name} {report[name]}; {remedy}")
+    if (outcome := report.get("outcome")) in (Outcome.OUT_OF_TIME, Outcome.INTERRUPTED):
+        remedy = "allowed: a run that was not cut short; run it again, with a larger --limit"
+        raise InputError(f"{file!r}: outcome {outcome}; {remedy}")
     given = {name: inf if value == "inf" else value for name, value in report["scene"].items()}
     for name in RETIRED.keys() & given.keys():
         print(f"{name} = {given.pop(name)}: {RETIRED[name]}")

@@ -483,6 +483,14 @@ def test_no_convergence_in_the_approach_still_writes_files(call, tmp_path, cut_s
         assert len(data["U_x"]) == 0
 
 
+def test_a_held_load_that_is_not_found_in_time_still_writes_files(call, tmp_path):
+    files = [f"--{kind}={tmp_path / kind}" for kind in ("csv", "npz", "json")]
+    code, _, err = call("run", "--set", *SMALL, "--load", "10", "--limit", "0", *files)
+    report = strict(tmp_path / "json")
+    assert code == 1 and err.count("wrote ") == 3 and err.splitlines()[-1] == report["failure"]
+    assert report["outcome"] == "out of time" and report["events"] == []
+
+
 def test_an_interrupt_keeps_the_frames_computed_and_is_named_as_the_outcome(call, tmp_path, cut_short):
     cut_short(KeyboardInterrupt(), 101 + 5)
     code, _, err = call("run", "--set", *SMALL, "--csv", tmp_path / "c", "--json", tmp_path / "j")

@@ -56,6 +56,27 @@ def test_verify_finds_a_changed_field(files, tmp_path, capsys):
     assert "  T " in out and "  u " not in out
 
 
+SOFT = ("--set", "nodes=64", "width=160", "radius=0.2", "du_z=0.5", "du_x=0.5", "u_x_max=2", "E=1.5", "phi_n=2")
+
+
+def test_verify_repeats_a_run_by_gfmd_without_the_limit_of_a_soft_layer_as_run_computes_it(tmp_path, monkeypatch):
+    monkeypatch.setattr("solver.run.loadpath.SOFT_LIMIT", 0.02)
+    file = str(tmp_path / "run.json")
+    assert cli.main(["run", *SOFT, "--method", "gfmd", "--json", file]) == 0
+    assert cli.main(["verify", file]) == 0
+
+
+@pytest.mark.parametrize("kind", ["json", "npz"])
+def test_a_run_that_was_cut_short_is_not_compared(files, tmp_path, capsys, kind):
+    file = str(tmp_path / "run")
+    assert cli.main(["run", *SMALL, "--limit", "0.001", f"--{kind}", file]) == 1
+    assert cli.main(["verify", file]) == 2
+    assert "outcome out of time; allowed: a run that was not cut short; run it again" in capsys.readouterr().err
+    assert cli.main(["verify", str(files[kind]), "--limit", "0.001"]) == 1
+    out, err = capsys.readouterr()
+    assert err.startswith("not compared: ") and "differs" not in out
+
+
 def test_verify_reads_the_measured_surface_of_a_file(tmp_path):
     x = np.linspace(0.0, 160.0, 128, endpoint=False)
     profile = Profile(160.0, 5.0 * np.exp(-(((x - 80.0) / 30.0) ** 2)))

@@ -28,7 +28,7 @@ def file_of_run(scene: Scene, kind: str) -> bytes | None:
     with TemporaryDirectory() as folder:
         file = Path(folder, "run")
         if kind == "npz":
-            write_npz(file, scene, frames)
+            write_npz(file, scene, frames, outcome=checkpoint.outcome)
         else:
             seconds = perf_counter() - begun
             write_json(file, report_of(scene, frames, "fast", seconds, checkpoint.failure, checkpoint.outcome))
