@@ -50,8 +50,9 @@ def verify(arguments: argparse.Namespace) -> int:
     after = [frame for frame in frames if frame.stage != "approach"]
     arrays = fields_of(after) | {name.split(" ")[0]: values for name, values in curves_of(after).items()}
     computed = arrays if "T" in recorded else _numbers(plain(summarize(frames)))
-    # ends of branches are located to 1e-6 nm; the error of F and L is at most 100 tolerances
-    allowed = max(1e-6, 100.0 * scene.tolerance / min(scene.delta_n, scene.delta_t))
+    # ends of branches are located to 1e-6 nm; the error of F and L is at most 100 tolerances. Small lengths would allow
+    # any difference: beyond 1 % of the largest value it is one
+    allowed = min(1e-2, max(1e-6, 100.0 * scene.tolerance / min(scene.delta_n, scene.delta_t)))
     off = {name: _difference(values, np.array(computed[name], float)) for name, values in recorded.items()}
     for where, of in (("file", report), ("here", origin())):
         print(f"{where}: schema {of['schema']}, version {of['version']}, commit {of['commit'] or 'unknown'}")

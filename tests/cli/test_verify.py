@@ -56,6 +56,17 @@ def test_verify_finds_a_changed_field(files, tmp_path, capsys):
     assert "  T " in out and "  u " not in out
 
 
+def test_verify_allows_no_difference_above_1_per_cent_however_coarse_the_tolerance(tmp_path, capsys):
+    """100 tolerances are five times this delta_n: A_0 times 3 was the same."""
+    file, coarse = tmp_path / "run.json", ("tolerance=1e-3", "delta_n=0.02", "phi_n=0.001")
+    assert cli.main(["run", *SMALL, *coarse, "--json", str(file)]) == 0
+    assert cli.main(["verify", str(file)]) == 0
+    report = json.loads(file.read_text())
+    file.write_text(json.dumps(report | {"A_0": 3.0 * report["A_0"]}))
+    assert cli.main(["verify", str(file)]) == 1
+    assert "by more than 1e-02 of their largest\n  A_0 " in capsys.readouterr().out
+
+
 SOFT = ("--set", "nodes=64", "width=160", "radius=0.2", "du_z=0.5", "du_x=0.5", "u_x_max=2", "E=1.5", "phi_n=2")
 
 
