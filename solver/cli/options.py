@@ -31,10 +31,22 @@ def add_command(commands: Any, name: str, run: Callable, summary: str, text: str
     parser.add_argument("--set", **setting, help="parameters of the scene, in place of their defaults")
     parser.add_argument("--preset", metavar="NAME", help="start from this named experiment; --set changes it")
     add_reading(parser)
-    parser.set_defaults(
-        command=lambda arguments: run(scene_of(arguments.set, arguments.preset, reading(arguments)), arguments)
-    )
+
+    def command(arguments):
+        _refuse_same_files(arguments)
+        return run(scene_of(arguments.set, arguments.preset, reading(arguments)), arguments)
+
+    parser.set_defaults(command=command)
     return parser
+
+
+def _refuse_same_files(arguments):
+    """Raises InputError where an output is another one, or the file that is read."""
+    named: dict[str, str] = {}
+    for option in ("measured", "csv", "npz", "json"):
+        file = getattr(arguments, option, None)
+        if file and (other := named.setdefault(os.path.realpath(file), option)) != option:
+            raise InputError(f"--{option} {file}: the file of --{other}; name another one")
 
 
 def scene_of(pairs: Sequence[str], named: str | None = None, how: Mapping[str, Any] | None = None) -> Scene:

@@ -18,10 +18,12 @@ def settings(
     of: str = f", NAME one of {', '.join(SETTABLE)}",
 ) -> dict[str, str]:
     """{'name': 'text'} of the NAME=VALUE arguments of an option; of: what is allowed as NAME. Raises InputError."""
-    texts = {}
+    texts: dict[str, str] = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals:
             raise InputError(f"{option} {pair}: give {form}{of}")
-        texts[name.strip()] = text.strip()
+        if (name := name.strip()) in texts:
+            raise InputError(f"{option} {pair}: {name} = {texts[name]} is given as well; leave one of them out")
+        texts[name] = text.strip()
     return texts

@@ -43,5 +43,5 @@ def _values(name, text):
     """The values of a parameter in a text with commas between them; raises SceneError."""
     if name not in PARAMETERS:
         raise unknown_name(name, PARAMETERS)
-    listed = text.split(",")
-    return [number_from_text(name, one) for one in listed] if name in LIMITS else listed
+    listed = [text] if name == "points" else text.split(",")  # which have commas of their own
+    return [PARAMETERS[name].checked(name, number_from_text(name, one) if name in LIMITS else one) for one in listed]

@@ -180,7 +180,10 @@ def test_a_run_that_never_slips_has_nulls_and_no_nan(call, tmp_path, method):
     ],
 )
 def test_the_last_line_names_the_first_slip_of_any_stage_or_why_there_is_none(call, settings, last):
-    _, out, _ = call("run", "--set", "nodes=64", "width=160", "radius=0.6", "u_x_max=10", *settings)
+    given = {"nodes": "64", "width": "160", "radius": "0.6", "u_x_max": "10"} | dict(
+        setting.split("=") for setting in settings
+    )
+    _, out, _ = call("run", "--set", *map("=".join, given.items()))
     assert last in out.splitlines()[-1]
 
 
@@ -278,7 +281,7 @@ def test_a_measured_profile_is_read_reported_and_written(call, tmp_path):
     assert again == Scene(
         surface="measured", measured=read_profile(file), width=160.0, nodes=64, du_z=0.5, du_x=0.5, u_x_max=2.0
     )
-    assert call("run", "--set", *settings, "width=80", "nodes=32")[0] == 0
+    assert call("run", "--set", settings[0], *settings[2:], "width=80", "nodes=32")[0] == 0
 
 
 def test_the_unit_of_a_profile_that_names_none_is_given_beside_the_file(call, tmp_path):
@@ -565,7 +568,7 @@ def test_every_command_that_computes_a_scene_knows_the_presets(call, arguments):
 
 def test_sweep_prints_and_writes_the_first_slip_of_every_combination(call, tmp_path):
     over = ("--over", "phi_ratio=0.5,1", "E=0.05 TPa,70")
-    code, out, _ = call("sweep", *over, "--set", *SMALL, "u_x_max=8", "--csv", tmp_path / "sweep.csv")
+    code, out, _ = call("sweep", *over, "--set", *SMALL[:2], "u_x_max=8", "--csv", tmp_path / "sweep.csv")
     written = rows(tmp_path / "sweep.csv")
     scene = Scene(nodes=64, width=160.0, u_x_max=8.0)
     table = sweep(scene, phi_ratio=[0.5, 1.0], E=[50.0, 70.0])
@@ -582,11 +585,35 @@ def test_a_combination_of_a_sweep_that_pulls_off_is_a_result(call):
 
 @pytest.mark.parametrize(
     ("over", "words"),
-    [("phi_rati=1", "did you mean phi_ratio?"), ("phi_ratio", "give NAME=VALUE,VALUE,..."), ("E=1,x", "E = 'x'")],
+    [
+        ("phi_rati=1", "did you mean phi_ratio?"),
+        ("phi_ratio", "give NAME=VALUE,VALUE,..."),
+        ("E=1,x", "E = 'x'"),
+    ],
 )
 def test_sweep_names_a_wrong_parameter_or_value_in_one_line(call, over, words):
     code, _, err = call("sweep", "--over", over)
     assert code == 2 and err.count("\n") == 1 and words in err
+
+
+def test_a_sweep_of_points_and_of_whole_numbers_prints_them_as_given(call):
+    points = "0,-1; 0,0.2; 1,0.2"
+    small = "nodes=64", "width=160", "path=points", "du_z=0.5", "du_x=0.5"
+    code, out, _ = call("sweep", "--set", *small, "--over", f"points={points}", "nodes=64,128")
+    assert code == 0 and out.count(points) == 2 and re.search(r" 64 .*\n.* 128 ", out)
+
+
+@pytest.mark.parametrize("option", ["--set E=50 E=70", "--set E=50 --set E=70", "--over E=50 --over E=70"])
+def test_a_parameter_that_is_given_twice_is_refused(call, option):
+    code, _, err = call(*("sweep --over nu=0.4 --set" if "--set" in option else "sweep").split()[:3], *option.split())
+    assert code == 2 and "E=70: E = 50 is given as well; leave one of them out" in err
+
+
+@pytest.mark.parametrize("given", ["--csv o --json o", "--npz o --json ./o", "--measured o --csv o"])
+def test_a_file_that_is_named_twice_is_refused(call, tmp_path, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = call("run", *given.split())
+    assert code == 2 and re.search(r"--\w+ (\./)?o: the file of --\w+; name another one", err)
 
 
 def test_a_closed_output_pipe_leaves_no_traceback():
