@@ -27,7 +27,7 @@ from app.session.orders import order, orders_of
 from app.session.pursuit import Pursuit
 from app.session.run import Request, Run
 from app.stage import Stage, Wire
-from solver import Scene
+from solver import Scene, SceneError
 
 pn.config.browser_info = False  # else every document has a component more, which tells of the browser
 log = logging.getLogger("app")
@@ -44,7 +44,7 @@ class Experiment(Viewer):
 
     Example: `pn.Column("# A punch", Experiment(Scene(E=100.0)))`
 
-    Every method runs under the lock of the visitor's document.
+    A scene too large for a browser raises SceneError. Every method runs under the lock of the visitor's document.
     """
 
     scene: Any = param.ClassSelector(class_=Scene, doc="as the controls have it")
@@ -62,6 +62,7 @@ class Experiment(Viewer):
         stage: Wire | None = None,
     ) -> None:
         """scene: the first one; else that of the arguments {name: [bytes]} of an address. doc: that of a page."""
+        controls.refuse_large(scene or Scene())
         addressed, preset, notes = controls.scene_from_address(arguments or {})
         super().__init__(scene=scene or addressed, preset=preset, notes=notes)
         self.doc, self.jobs, self.closed = doc or pn.state.curdoc or document.kernel(), jobs, False
@@ -200,8 +201,13 @@ class Experiment(Viewer):
 
     @param.depends("scene", watch=True)
     def _heed_scene(self) -> None:
-        """Show a scene that somebody has set."""
+        """Show a scene that somebody has set; raises SceneError, and keeps the one before, if it is too large."""
         if self.scene is not self._own:
+            try:
+                controls.refuse_large(self.scene)
+            except SceneError:
+                self.scene = self._own
+                raise
             self.show(self.scene, self.preset)
 
     @property

@@ -123,13 +123,8 @@ def played(result: Any) -> dict[str, Any]:
     status = {"state": "finished", "run": 1, "frames": count, "total": count, "why": "", "seconds": 0.0, "known": True}
     status |= {"evaluations": sum(frame.evaluations for frame in frames), "tolerance": scene.tolerance}
     status |= {"residual": max(frame.residual for frame in frames), "errors": {}, "acknowledged": None}
-    status |= {
-        "values": controls.values_of(scene),
-        "notes": [*result.notes],
-        "cautions": [*result.cautions],
-        "preset": "",
-    }
-    status |= {"address": {}, "words": _words(scene), "sent": 2}
+    status |= {"values": controls.values_of(scene), "notes": [*result.notes], "cautions": [*result.cautions]}
+    status |= {"preset": "", "address": {}, "words": _words(scene), "sent": 2}
     return {"live": False, "run": run, "status": status}
 
 

@@ -135,8 +135,10 @@ def changed_scene(
         return scene, errors | {where: f"{message_of(error, entries.get(error.name))}.{STAYS}"}
 
 
-def refuse_large(scene: Scene, values: Any) -> None:
-    """Raise SceneError if the run is too large for a browser."""
+def refuse_large(scene: Scene, values: Any = ()) -> None:
+    """Raise SceneError if the run is too large for a browser; values: the parameters that were changed."""
+    for name in MOST:
+        RANGES[name].checked(name, getattr(scene, name))
     increments = increments_of(scene)
     nodes = min(FLAT, scene.nodes) if scene.surface == "flat" else scene.nodes
     if increments > INCREMENTS or increments * nodes > NUMBERS:
@@ -164,8 +166,7 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
     remarks = []
     scene, errors = changed_scene(base, entries, remarks)
     if errors and scene is base:  # the valid values together are refused: check each alone
-        errors = {}
-        remarks.clear()
+        errors, remarks = {}, []
         for entry, text in entries.items():
             scene, more = changed_scene(scene, {entry: text}, remarks)
             errors |= {entry: "".join(more.values())} if more else {}
@@ -191,8 +192,7 @@ def shown(value: Any) -> str:
 
 def values_of(scene: Scene) -> dict[str, Any]:
     """Return {name: value} of all parameters for JSON: infinity becomes a text."""
-    values = {name: getattr(scene, name) for name in PARAMETERS}
-    return {name: "inf" if value == inf else value for name, value in values.items()}
+    return {name: "inf" if (value := getattr(scene, name)) == inf else value for name in PARAMETERS}
 
 
 def address_of(scene: Scene, preset: str) -> dict[str, str]:

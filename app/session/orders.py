@@ -97,8 +97,7 @@ def read(method: Callable, given: dict[str, Any]) -> tuple[Callable, dict[str, A
     values = {name: value for name, value in given.items() if name != "n" and value is not None}
     _, needs, takes = method.order  # type: ignore[attr-defined]
     tests = needs | takes
-    if not needs.keys() <= values.keys() <= tests.keys():
-        raise Refused
-    if not all(tests[name](value) for name, value in values.items()):
+    whole = needs.keys() <= values.keys() <= tests.keys()
+    if not (whole and all(tests[name](value) for name, value in values.items())):
         raise Refused
     return method, values

@@ -2,11 +2,12 @@
 
 import asyncio
 
+import pytest
 from visitor import PATIENCE, messages, waited
 
 from app.experiment import Experiment
 from app.service.jobs import Jobs
-from solver import Scene
+from solver import Scene, SceneError
 
 
 def test_changes_that_panel_passes_on_together_are_obeyed_in_the_order_of_their_numbers(session, monkeypatch):
@@ -28,6 +29,17 @@ def test_two_equal_messages_are_both_sent(session):
     for _ in range(2):
         session.send("skeleton", acknowledged=1, body=b"1")
     assert len(sent) == 2
+
+
+@pytest.mark.parametrize("values", [{"u_x_max": 1e4}, {"nodes": 8192, "u_x_max": 1.0}, {"du_x": 0.001}])
+def test_a_scene_too_large_for_a_browser_is_refused_in_python_as_on_the_page(session, values):
+    """The page would refuse its own address."""
+    before, large = session.scene, Scene(**values)
+    with pytest.raises(SceneError, match="allowed"):
+        session.scene = large
+    assert session.scene is before and session.pursuit.scene is before
+    with pytest.raises(SceneError, match="allowed"):
+        Experiment(large, jobs=session.jobs)
 
 
 def test_an_experiment_computes_in_a_notebook_on_the_loop_of_its_kernel(pool):

@@ -177,7 +177,7 @@ class Feature(interface.Feature):
 def with_profile(scene: Scene, profile: Profile) -> Scene:
     """Return `scene` with the surface of a Profile; raises SceneError."""
     changed = scene.changed(surface="measured", measured=profile, width=profile.length)
-    refuse_large(changed, ())
+    refuse_large(changed)
     return changed
 
 

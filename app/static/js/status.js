@@ -107,10 +107,8 @@ const STATES = { // {state of a run: its text}
   refining: ({ frames, total }) => `${frames} of ${total} increments`,
   skipped: ({ frames, total }) => `the last ${total - frames} of ${total} increments; what was computed stays`,
   failed: ({ why }) => why,
-  finished: ({ why }) => {
-    const cycle = me.run?.dissipated ?? null
-    return cycle === null ? why : `dissipated in a cycle: ${cycle.toPrecision(4)} nJ/m`
-  },
+  finished: ({ why }) =>
+    Number.isFinite(me.run?.dissipated) ? `dissipated in a cycle: ${me.run.dissipated.toPrecision(4)} nJ/m` : why,
 }
 
 function tellState() {
