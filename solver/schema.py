@@ -85,7 +85,7 @@ class Points(NamedTuple):
 
     def read(self, name: str, text: Any) -> list[tuple[float, float]]:
         """The pairs of a text; raises SceneError, which names the pair."""
-        pairs = [pair for pair in str(text).split(";") if pair.strip()]
+        pairs = [pair for pair in str(text).replace("−", "-").split(";") if pair.strip()]  # a true minus, as of numbers
         if not isinstance(text, str) or len(pairs) > self.most:
             raise SceneError(name, text, f"allowed: {self.span}", f"write at most {self.most} of them as text")
         return [self._pair(name, pair.split(",")) for pair in pairs]

@@ -35,6 +35,10 @@ def test_points_that_spell_another_path_give_its_frames(path, points):
         assert [event.load for event in b.slips] == pytest.approx([event.load for event in a.slips], abs=1e-10)
 
 
+def test_points_may_have_true_minus_signs_as_numbers_may():
+    assert through("0,−1; 0,0.2; −4,0.2") == through("0,-1; 0,0.2; -4,0.2")
+
+
 def test_stages_have_the_number_of_their_line_and_the_name_of_what_moves():
     stages = [step.stage for step in load_steps_of(through("0,-1; 0,0; 4,0; 4,0.2; 2,0.2; 3,-1; 3,-0.5"))]
     assert stages == ["approach", "2 shear", "3 reload", "4 back", "5 move", "6 reload"]
