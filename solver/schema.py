@@ -10,13 +10,18 @@ from difflib import get_close_matches
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
+ASCII = str.maketrans(  # for outputs that cannot show a letter of a unit or a subscript
+    {"δ": "delta", "φ": "phi", "ν": "nu", "χ": "chi", "ₙ": "_n", "ₜ": "_t", "₀": "_0", "µ": "u", "μ": "u", "Å": "A"}
+    | {"²": "2", "−": "-", "∞": "inf", "⁻": "-", "¹": "1", "·": " "}
+)
+
 
 class SceneError(ValueError):
-    """A parameter outside its range; the message gives its name, its value, the range and a remedy."""
+    """A parameter outside its range; the message gives its name, its value, the range and a remedy, in ASCII."""
 
     def __init__(self, name: str, value: object, allowed: str, remedy: str) -> None:
         self.name, self.value, self.allowed, self.remedy = name, value, allowed, remedy
-        super().__init__(f"{name} = {reprlib.repr(value)}: {allowed}; {remedy}")
+        super().__init__(f"{name} = {reprlib.repr(value)}: {allowed}; {remedy}".translate(ASCII))
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:  # by default pickle would pass the message alone
         return SceneError, (self.name, self.value, self.allowed, self.remedy)

@@ -7,7 +7,7 @@ from typing import Any
 from unicodedata import normalize
 
 from .scene import LIMITS, PARAMETERS, Scene, SceneError
-from .schema import Range, unknown_name
+from .schema import ASCII, Range, unknown_name
 from .surfaces import Profile
 
 NUMBER = re.compile(r"(?P<mantissa>[+-]?(?:\d+[.,]?\d*|[.,]\d+|inf))(?P<exponent>(?:[eE][+-]?\d+)?) ?(?P<unit>.*)")
@@ -22,10 +22,6 @@ UNITS = {  # {unit of a parameter: {unit that its text may give: factor}}
     "δₜ": {"δₜ": 1.0, "delta_t": 1.0},
     "δ₀": {"δ₀": 1.0, "delta_0": 1.0},
 }
-ASCII = str.maketrans(  # for outputs that cannot show a letter of a unit or a subscript
-    {"δ": "delta", "φ": "phi", "ν": "nu", "χ": "chi", "ₙ": "_n", "ₜ": "_t", "₀": "_0", "µ": "u", "μ": "u", "Å": "A"}
-    | {"²": "2", "−": "-", "∞": "inf", "⁻": "-", "¹": "1", "·": " "}
-)
 SAME = str.maketrans({"−": "-", "∞": "inf", "μ": "µ"})  # the last: Greek mu, and the micro sign
 
 

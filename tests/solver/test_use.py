@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from solver import (
+    LIMITS,
     Profile,
     Scene,
     SceneError,
@@ -93,6 +94,14 @@ def test_a_dict_in_place_of_a_scene_is_answered_by_what_to_write():
     for entry in (load_path, advance, sweep, skeleton_of, lambda scene: follow(skeleton_of(SMALL), scene)):
         with pytest.raises(TypeError, match="allowed: a Scene; write Scene"):
             list(entry({}))
+
+
+def test_refusals_of_parameters_are_printed_in_ascii():
+    """As results are: `print(error)` into such a file raised another error."""
+    for name, parameter in LIMITS.items():
+        with pytest.raises(SceneError, match=name) as refused:
+            parameter.checked(name, "x")
+        assert str(refused.value).isascii()
 
 
 def test_results_are_printed_in_ascii_whatever_their_cautions_hold():
