@@ -23,7 +23,8 @@ def add_sweep(commands: Any) -> None:
     text = "Computes the first slip for every combination of parameter values. Prints a row for each."
     epilog = "Columns: the parameters, U_s (nm), F_s, L_s (N/m), A_s (nm), outcome."
     parser = add_command(commands, "sweep", swept, "first slips of combinations of values", text, epilog)
-    parser.add_argument("--over", nargs="+", action="extend", required=True, metavar=FORM, help="values of parameters")
+    over = "values of parameters, but one of points"
+    parser.add_argument("--over", nargs="+", action="extend", required=True, metavar=FORM, help=over)
     parser.add_argument("--workers", type=count, default=1, metavar="N", help="number of processes, default 1")
     add_limit(parser)
     add_file(parser, "csv", "a row per combination")
