@@ -75,15 +75,15 @@ def compute(scene: Scene, method: str, limit: float | None = None, load: float |
     limit: processor time, s. By default it is that of `time_limit`, but none for gfmd, which is slow by design.
     """
     frames: list[Frame] = []
-    if limit is None:
-        limit = time_limit(scene) if method == "fast" else inf
-        soft = f"So soft a layer may take long. The run ends after {limit:g} s of processor time: --limit allows more."
-        caution([soft] * (limit < inf))
+    default = None if method == "fast" else inf
+    whole = time_limit(scene, default if limit is None else limit)
+    soft = f"So soft a layer may take long. The run ends after {whole:g} s of processor time: --limit allows more."
+    caution([soft] * (limit is None and whole < inf))
     try:
         if load is not None:
-            scene, *_ = held_at(scene, load, deadline(limit, inf))
+            scene, *_ = held_at(scene, load, deadline(whole, inf))
             print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {load:g} N/m")
-        for frame in with_progress(scene, load_path(scene, method=method, limit=limit), leave=False, disable=None):
+        for frame in with_progress(scene, load_path(scene, method=method, limit=whole), leave=False, disable=None):
             frames.append(frame)
     except NotConverged as error:
         return ended(scene, frames, error)
