@@ -90,7 +90,7 @@ class _Reader:
     def read(self):
         """The Measurement or Recording."""
         values, lines = self._values()
-        values = self._turned(self._timed(values))
+        values = self._changing(self._turned(self._timed(values)))
         over = next(iter(values))
         kept = self._part(over, values[over])
         lines, values = lines[kept], {name: column[kept] for name, column in values.items()}
@@ -120,6 +120,15 @@ class _Reader:
             self.notes += not_used(self.block, [*of.values(), *beside])
         self.notes += self.block.notes
         return dict(zip(of, values[rows].T, strict=True)), rows
+
+    def _changing(self, values):
+        """The quantities without those that are 0 throughout, as a column that was not measured."""
+        _, main, *others = values
+        if not np.any(values[main]):
+            raise DataError(f"{main} is 0 at every point; needed: a {main} that changes; check the column")
+        still = [name for name in others if not np.any(values[name])]
+        self.notes += [f"{name} is 0 at every point: not used." for name in still]
+        return {name: column for name, column in values.items() if name not in still}
 
     def _timed(self, values):
         """Quantities over U_x in place of time."""
@@ -166,6 +175,8 @@ class _Reader:
             name = repr(self.table.columns[self.roles.of["delta"]].name[:SHOWN])
             likely = -1 if delta[np.argmax(L)] < delta[0] else 1
             raise self._asked_sign({"delta": likely}, f"does {name} grow (1) or fall (-1) to contact?")
+        if self.stages is not None:  # of a run of this package
+            return
         deep, edge = np.argsort(delta), max(1, delta.size // 20)
         falls = np.median(L[deep[-edge:]]) < np.median(L[deep[:edge]])
         unsure = own not in ("delta", "height", "gap")

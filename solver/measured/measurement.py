@@ -104,13 +104,17 @@ class Measurement:
     ) -> Measurement:
         """A Measurement from arrays; estimates the noise {name: standard deviation} of quantities not in `noise`.
 
-        Raises DataError for fewer than FEWEST points and for a constant force.
+        A quantity that is 0 throughout is left out, with a note. Raises DataError for fewer than FEWEST points and for a
+        constant force.
         """
         F = values["F_bar"]
         if len(U_x) < FEWEST:
             raise DataError(f"points: {len(U_x)}; needed: {FEWEST} or more; measure more densely")
         if not np.ptp(F) > 0.0:
             raise DataError(f"F is {F[0]:g} at every point; needed: a force that changes; check the column F")
+        still = [name for name, y in values.items() if not np.any(y)]  # without noise to compare with
+        notes = (*notes, *(f"{name} is 0 at every point: not used." for name in still))
+        values = {name: y for name, y in values.items() if name not in still}
         drops = drops_of(F)
         noise = {name: noise_of(y, drops) for name, y in values.items()} | (noise or {})
         return Measurement(U_x, values, noise, slips_of(F, noise["F_bar"]), unit, notes, width, said or {})

@@ -81,14 +81,15 @@ def read_profile(
     options = {"width": width, "periodic": periodic, "part": part, "cut_off": cut_off} | how._asdict()
     try:
         points, notes, marked = _points(source, how)
-        periodic = marked or None if periodic is None and width is None else periodic
+        if marked and periodic is not False and width is part is cut_off is None:
+            return Profile(points.length, points.z[:-1], (*notes, "One period, as it was saved."))
         return made_periodic(points, periodic, width, part, cut_off, notes)
     except DataError as error:
         raise for_user(error, "read_profile(", source, options) from None
 
 
 def _points(source, how):
-    """(Points, [notes], whether the file calls them one period) of the rows that hold data."""
+    """(Points, [notes], whether they are one period that `Profile.to_csv` wrote) of the rows that hold data."""
     if isinstance(source, Block):
         return _of_table(source, how)
     content = content_of(source)
@@ -126,7 +127,9 @@ def _of_table(block, how):
             raise DataError(f"{name} = {values[far[0]]:g} nm: {allowed}", int(lines[far[0]]))
     first = f"{lines.size} points; {read}; summits of z face the substrate."
     notes = [first, *not_used(block, list(x_z.values())), *notes, *block.notes]
-    return Points(lines, x, z), notes, any(PERIOD in line for line in table.above)
+    points = Points(lines, x, z)
+    marked = any(PERIOD in line for line in table.above) and x.size > 1
+    return points, notes, marked and points.even and z[0] == z[-1]
 
 
 def named(table: Table) -> dict[str, int]:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from solver import Scene, read_measurement, read_profile
+from solver import Scene, read_measurement, read_profile, simulate
+from solver.measured.measurement import Measurement
 from solver.surfaces import DataError
 
 SCENE = Scene()
@@ -162,3 +163,22 @@ def test_a_row_of_separators_above_units_is_no_row_and_a_last_column_of_remarks_
     text = "Point,delta,L\n,,\n,[nm],[N]\n" + lines("", X, X, X**1.5).lstrip()
     assert read(text).segments[0].x.size == 40
     assert read("U_x (nm)\tF (N/m)\tComment\n" + "\n".join(f"{k}\t{k + 1}" for k in X)).segments[0].x.size == 40
+
+
+def test_a_quantity_that_is_zero_throughout_is_left_out_and_the_curve_itself_refused():
+    curve = read(lines("U_x (nm),F (N/m),L (N/m),A (nm)", X, X + 1.0, 0 * X, 0 * X))
+    assert set(curve.values) == {"F_bar"} and curve.notes[-2:] == tuple(
+        f"{q} is 0 at every point: not used." for q in "LA"
+    )
+    with pytest.raises(DataError, match="L is 0 at every point"):
+        read(lines("delta (nm),L (N)", X, 0 * X))
+    bars = Measurement.of(X * 1.0, {"F_bar": X + 1.0, "L_bar": 0.0 * X})
+    assert set(bars.values) == {"F_bar"} and bars.notes == ("L_bar is 0 at every point: not used.",)
+
+
+def test_the_table_of_a_retraction_is_read_without_a_question(tmp_path):
+    """Its load falls with the indentation where the surfaces attract: no sign is asked of a run's own columns."""
+    result = simulate(Scene(path="unload", du_x=0.5, du_z=0.5))
+    result.save(tmp_path / "run.csv")
+    compared = read_measurement(result.scene, tmp_path / "run.csv").residuals(result)
+    assert compared.rms["L"] < 1e-6

@@ -415,8 +415,18 @@ def test_a_profile_written_and_read_ten_times_is_the_same(tmp_path, seed):
     for _ in range(10):
         again.to_csv(tmp_path / "profile.csv")
         again = read_profile(tmp_path / "profile.csv")
-    start = int(np.argmin(first.z))
-    assert again.length == first.length and again.z.tolist() == np.roll(first.z, -start).tolist()
+    assert again == first
+
+
+def test_a_long_or_flat_profile_is_read_as_it_was_written_and_a_part_of_it_is_no_period(tmp_path):
+    file, x = tmp_path / "profile.csv", np.arange(2500)
+    for length, height in ((25_000.0, 3.0), (100.0, 1e-3)):  # beyond what is taken of a measurement
+        profile = Profile(length, height * np.sin(2.0 * np.pi * x / 2500))
+        profile.to_csv(file)
+        assert read_profile(file) == profile
+    Profile(1000.0, 0.2 * np.cos(2.0 * np.pi * np.arange(1000) / 1000)).to_csv(file)
+    part = read_profile(file, part=(0, 300))
+    assert part.length == 300.0 and any("joined" in note for note in part.notes)
 
 
 def test_a_rough_profile_that_ends_near_its_start_by_chance_is_no_period():
