@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -262,10 +263,31 @@ def simulate(
         if progress:
             path = with_progress(scene, path, initial=len(frames))
         for frame, checkpoint in path:  # noqa: B007  the last one counts
-            frames.append(frame)
+            keep(frames, frame)
     except NotConverged as error:
         return ended(scene, frames, error, checkpoint)
     return Result(scene, frames, None, checkpoint)
+
+
+def _room():
+    """Half of the memory of this machine, bytes; where that is not known, as on Windows, that of a small one."""
+    try:
+        return 0.5 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return 4e9
+
+
+ROOM = _room()
+
+
+def keep(frames: list[Frame], frame: Frame) -> None:
+    """Appends a Frame; raises NotConverged where so many take more memory than there is room for."""
+    frames.append(frame)
+    size = len(frames) * (frame.u.nbytes + frame.T.nbytes)
+    if size > ROOM:
+        what = f"{len(frames)} increments of {frame.u.shape[1]} nodes take {size / 1e9:.3g} GB, half of the memory"
+        remedy = "use a larger du_x or du_z, or fewer nodes; load_path hands on one increment at a time"
+        raise NotConverged(f"{what}; {remedy}", Outcome.OUT_OF_MEMORY)
 
 
 def ended(scene: Scene, frames: Sequence[Frame], by: NotConverged, checkpoint: Checkpoint | None = None) -> Result:

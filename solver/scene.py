@@ -160,10 +160,12 @@ class Scene:
             yield "drive_n", "allowed with hold 'load', where no spring acts: inf", "use drive_n=inf or hold=delta"
         thick = self.height * self.width
         if self.deepest >= thick:
+            most = thick / self.delta_0
+            shown = next(text for share in (1.0, 0.995) if float(text := f"{share * most:.3g}") <= most)  # rounded down
             through = f"where the top of a layer {thick:.3g} nm thick would be pressed through its bottom"
             yield (
                 "delta_bar",
-                f"allowed: below {thick / self.delta_0:.3g}, {through}",
+                f"allowed: below {shown}, {through}",
                 "lower it, or enlarge height or width",
             )
         low, high = (limit * self.delta_t for limit in SPACING)

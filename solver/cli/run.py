@@ -12,7 +12,7 @@ from .. import METHODS, Frame, NotConverged, Scene, load_path
 from ..cautions import cautions
 from ..continuation.state import Outcome
 from ..files import report_of, write_json, write_npz, write_table
-from ..results import Result, ended, with_progress
+from ..results import Result, ended, keep, with_progress
 from ..run.held_load import held_at
 from ..run.loadpath import deadline, time_limit
 from ..text import counted
@@ -84,7 +84,7 @@ def compute(scene: Scene, method: str, limit: float | None = None, load: float |
             scene, *_ = held_at(scene, load, deadline(whole, inf))
             print(f"delta_bar = {scene.delta_bar:.6g}, where the approach reaches {load:g} N/m")
         for frame in with_progress(scene, load_path(scene, method=method, limit=whole), leave=False, disable=None):
-            frames.append(frame)
+            keep(frames, frame)
     except NotConverged as error:
         return ended(scene, frames, error)
     except KeyboardInterrupt:

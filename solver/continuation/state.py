@@ -25,6 +25,7 @@ class Outcome(StrEnum):
     PULLED_OFF = "pulled off"
     RESTLESS = "restless"
     OUT_OF_TIME = "out of time"
+    OUT_OF_MEMORY = "out of memory"
     LOST = "lost"
     INTERRUPTED = "interrupted"
 
@@ -39,6 +40,7 @@ SENTENCES = {
     Outcome.PULLED_OFF: "The contact pulled off under its held load: there is no equilibrium beyond.",
     Outcome.RESTLESS: "A motion did not come to rest.",
     Outcome.OUT_OF_TIME: "An increment took longer than its limit of time.",
+    Outcome.OUT_OF_MEMORY: "The increments of the run take more memory than there is.",
     Outcome.LOST: "No equilibrium was found within the tolerance.",
     Outcome.INTERRUPTED: "The run was interrupted from outside.",
 }

@@ -8,6 +8,7 @@ from ..surfaces import DataError
 COMMENT = re.compile(r"(?:^|(?<=[\s;,]))#.*")  # one begins a line, or follows a blank or a separator
 NO_NUMBER = re.compile(r"[+-]?\d\.?#(?:IND|QNAN|SNAN|INF)\d*", re.I)  # as Windows wrote what is none
 QUOTED = re.compile(r'"\s*([+-]?[\d.]*\d,[\d.,]*(?:[eE][+-]?\d+)?)\s*"')  # a number with a comma
+PLAIN = re.compile(r'"([+-]?[\d.]+(?:[eE][+-]?\d+)?)"')
 THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 MARKER = re.compile(
     r"(?:missing|no[ _-]?data|undefined|invalid)(?:[ _-]?(?:values?|data|points?|marker))?\s{0,8}[:=]?\s{0,8}"
@@ -25,8 +26,9 @@ def cleaned(raw: Sequence[str]) -> tuple[list[str], tuple[str, ...]]:
 
     Raises DataError where such a comma may be either decimal or of thousands.
     """
-    lines = [COMMENT.sub("", NO_NUMBER.sub("nan", line) if "#" in line else line).strip(" \r\f\v") for line in raw]
-    return _unquoted(lines)
+    lines = [COMMENT.sub("", NO_NUMBER.sub("nan", line)) if "#" in line else line for line in raw]
+    lines, notes = _unquoted([line.strip(" \r\f\v") for line in lines])
+    return [PLAIN.sub(r"\1", line) if '"' in line else line for line in lines], notes
 
 
 def _unquoted(lines):

@@ -104,7 +104,7 @@ class Measurement:
     ) -> Measurement:
         """A Measurement from arrays; estimates the noise {name: standard deviation} of quantities not in `noise`.
 
-        A quantity that is 0 throughout is left out, with a note. Raises DataError for fewer than FEWEST points and for a
+        One that is 0 throughout is left out, with a note. Raises DataError for fewer than FEWEST points, and for a
         constant force.
         """
         F = values["F_bar"]

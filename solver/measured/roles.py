@@ -2,6 +2,7 @@
 
 import re
 from contextlib import suppress
+from math import inf
 from types import SimpleNamespace
 
 from ..surfaces import DataError
@@ -235,6 +236,8 @@ class Roles:
                 raise DataError(f"{role} has no unit, and {unit} is one; {remedy}", table=self.table, call=call)
             return 1.0, "w" if name == "A" else "w E"
         if force is not None and name in ("F", "L"):
+            if not 0.0 < force < inf:
+                raise DataError(f"force = {force:g}; allowed: above 0, in N/m; give a number in that range, and sign=")
             if wanted or quantity(own) in ("N/m", "F_s"):
                 raise DataError(f"force = {force:g}, but {column.name or name} is in {wanted or own}; leave force out")
             return force, "N/m"

@@ -178,11 +178,12 @@ def _parts(lines, layout, segments):
     row = np.fromiter((bool(line) and layout.is_row(line) for line in lines), bool, len(lines))
     breaks = [k for k, line in enumerate(lines) if (line and not row[k]) or k in segments]
     rows = np.flatnonzero(row)
-    digits = np.fromiter((bool(re.search(r"\d", lines[k])) for k in rows), bool, rows.size)
     parts = []
-    for at in np.split(np.arange(rows.size), np.flatnonzero(np.diff(np.searchsorted(breaks, rows))) + 1):
-        if (full := np.flatnonzero(digits[at])).size:  # a table does not begin or end with dashes or separators alone
-            parts.append(rows[at[full[0]] : at[full[-1]] + 1])
+    for at in np.split(rows, np.flatnonzero(np.diff(np.searchsorted(breaks, rows))) + 1):
+        # a table does not begin or end with dashes or separators alone
+        ends = [next((j for j, k in enumerate(way) if re.search(r"\d", lines[k])), at.size) for way in (at, at[::-1])]
+        if sum(ends) < at.size:
+            parts.append(at[ends[0] : at.size - ends[1]])
     if not parts:
         raise DataError("no points; no line has numbers alone")
     k = parts[0][0]

@@ -181,6 +181,18 @@ def test_a_run_beyond_its_limit_of_time_keeps_its_increments_and_gives_a_reason(
     assert approach.outcome == "out of time" and not approach.frames
 
 
+def test_a_run_whose_increments_take_half_of_the_memory_keeps_them_and_the_remedy_works(result, monkeypatch):
+    frame = result.frames[0]
+    monkeypatch.setattr("solver.results.ROOM", (len(result.frames) - 5) * (frame.u.nbytes + frame.T.nbytes))
+    full = simulate(result.scene)
+    assert full.outcome == "out of memory" and len(full.frames) == len(result.frames) - 4
+    assert full.frames[-1].F == result.frames[len(full.frames) - 1].F
+    assert (
+        f"{len(full.frames)} increments of {frame.u.shape[1]} nodes" in full.failure and "larger du_x" in full.failure
+    )
+    assert simulate(result.scene.changed(du_x=2.0 * result.scene.du_x)).outcome == "finished"
+
+
 def test_a_run_without_an_increment_says_why_it_has_nothing_to_show(tmp_path):
     empty = simulate(SMALL, limit=0.0)
     assert not empty.frames and len(empty.table) == len(empty.edges) == 0

@@ -343,6 +343,12 @@ def test_what_is_given_beside_what_the_file_says_is_named_or_refused():
             read_measurement(SMALL, table(f"U_x (nm),{unit}", TIMED, TIMED), force=3.0)
 
 
+@pytest.mark.parametrize("force", [0.0, -1.0, np.nan, np.inf])
+def test_a_force_per_unit_is_above_zero_and_a_sign_is_no_part_of_it(force):
+    with pytest.raises(DataError, match=f"force = {force:g}; allowed: above 0"):
+        read_measurement(SMALL, table("U_x (nm),F", TIMED, 1.0 + TIMED), force=force)
+
+
 def test_of_two_friction_forces_and_a_height_beside_a_load_one_is_asked_for():
     """A tribometer's table: Z and Fz alone would be a load."""
     text = table("Fx,Fz,Z,T,Ff\ng,g,mm,sec,g", np.sin(TIMED), 2.0 + TIMED, TIMED, TIMED, np.sin(TIMED))
