@@ -18,8 +18,11 @@ NEEDED_BY = {
 NEEDED = "; ".join(NEEDED_BY.values())
 KINDS = ("friction", "loop", "load", "area")
 ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
-MEASURED = "heightmeasured", "measuredheight", "capacitivesensorheight"  # by a sensor
-SMOOTHED = "heightmeasuredsmoothed", "smoothedmeasuredheight", "smoothedcapacitivesensorheight"
+# by a sensor, the best first; then what the piezo was told
+HEIGHTS = (
+    *("heightmeasured", "measuredheight", "capacitivesensorheight"),
+    *("heightmeasuredsmoothed", "smoothedmeasuredheight", "smoothedcapacitivesensorheight", "height", "heightpiezo"),
+)
 NAMED = {  # what a heading may say, in small letters without blanks and signs
     "U_x": ("ux", "tangentialdisplacement", "lateraldisplacement", "slidingdistance", "shift"),
     # along the surface or into it: the other column or `kind` tells
@@ -32,19 +35,12 @@ NAMED = {  # what a heading may say, in small letters without blanks and signs
     "A_bar": ("abar",),
     "A": ("a", "area", "contactarea", "realcontactarea"),
     "delta": ("delta", "indentation", "indentationdepth", "depth", "penetration"),
-    "height": (*MEASURED, *SMOOTHED, "height", "heightpiezo"),  # falls as delta grows, and has the lever in it
+    "height": HEIGHTS,  # falls as delta grows, and has the lever in it
     "gap": ("gap", "separation", "tipsampleseparation", "tipposition"),  # falls as delta grows
     "position": ("z", "zsense", "zsensor", "zposition", "piezo", "normaldisplacement"),  # either way
     "time": ("time", "t", "times", "elapsedtime", "seriestime"),
     "stage": ("stage",),
     "segment": ("segment", "phase"),
-}
-# beside a column of the first names those of the others do not count: what a sensor measured comes before what the
-# piezo was told
-BESIDE = {
-    MEASURED: (*SMOOTHED, "height", "heightpiezo", "tipposition"),
-    SMOOTHED: ("height", "heightpiezo", "tipposition"),
-    ("height", *NAMED["gap"][:-1]): ("heightpiezo", "tipposition"),
 }
 SYMBOLS = ("f", "l", "delta")  # names of this package, each of which means one quantity
 DEEP, FORCES, LOADS, AREAS = ("delta", "height", "gap", "position"), ("F_bar", "F"), ("L", "L_bar"), ("A", "A_bar")
@@ -103,7 +99,10 @@ class Roles:
         self.table, self.how = _with_units(table, self.headings), how
         table = self.table
         names = {plain(column.name) for column in table.columns}
-        less = {word for first, others in BESIDE.items() if names & {*first} for word in others}
+        best = next((k for k, word in enumerate(HEIGHTS) if word in names), len(HEIGHTS))
+        less = {*HEIGHTS[best + 1 :]}
+        if best < len(HEIGHTS) - 1 or names & {*NAMED["gap"][:-1]}:  # what is computed from the piezo comes last
+            less |= {HEIGHTS[-1], NAMED["gap"][-1]}
         known, roles = recognised(table, {role: [*{*words} - less] for role, words in NAMED.items()}, READ_AS)
         self.given = given(table, how.columns, ROLES)
         how.units = checked("units", how.units, ROLES)

@@ -100,9 +100,9 @@ def table_in(content: str | bytes, needed: str, channel: str | int | None = None
     raw = _lines(text_of(content))
     lines, notes = cleaned(raw)
     layout = layout_of(lines)
-    if layout is None:
+    layout, parts = _parts(lines, layout, labelled(raw)) if layout else (layout, [])
+    if not layout or not parts:
         raise DataError(f"no points; needed: {needed}", len(raw))
-    layout, parts = _parts(lines, layout, labelled(raw))
     chosen, later = _chosen(parts, channel)
     rows = np.concatenate([at for _, at in chosen])
     words = np.concatenate([np.full(at.size, segment, object) for segment, at in chosen])
@@ -185,7 +185,7 @@ def _parts(lines, layout, segments):
         if sum(ends) < at.size:
             parts.append(at[ends[0] : at.size - ends[1]])
     if not parts:
-        raise DataError("no points; no line has numbers alone")
+        return layout, []
     k = parts[0][0]
     beside, above = layout._replace(words=True), lines[k - 1]
     if k and beside != layout and beside.is_row(above) and layout.width(above) == layout.width(lines[k]):

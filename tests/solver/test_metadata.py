@@ -39,6 +39,15 @@ def test_a_measured_height_comes_before_the_one_that_the_piezo_was_told(measured
     assert "Not used: height." in curve.notes
 
 
+def test_of_two_measured_heights_the_calibrated_one_is_read():
+    text = force_curve(range(-10, 21), "capacitiveSensorHeight").replace(
+        "vDeflection capacitiveSensorHeight", "vDeflection capacitiveSensorHeight measuredHeight"
+    )
+    rows = [(line, line.split()) for line in text.replace("m N m", "m N m m").split("\n")]
+    both = (f"{line} {2.0 * float(row[2]):.6e}" if line and line[0] != "#" else line for line, row in rows)
+    assert np.ptp(read("\n".join(both)).segments[0].x) == pytest.approx(60.0)
+
+
 @pytest.mark.parametrize(
     ("first", "second", "names"), [(1, 2, ["approach", "retract"]), (0, 1, ["approach", "retract"])]
 )
