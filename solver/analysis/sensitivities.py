@@ -22,7 +22,7 @@ from ..continuation.fold import Bordered, FoldOptions, fold_near
 from ..continuation.inverse import Solves
 from ..continuation.trace import Branch
 from ..following.moved import NotFollowed
-from ..following.skeleton import Skeleton
+from ..following.skeleton import Skeleton, skeleton_in
 from ..mechanics.contact import Contact
 from ..mechanics.equilibrium import Equilibrium
 from ..mechanics.linearised import Linearised
@@ -112,6 +112,7 @@ def sensitivities(skeleton: Skeleton, names: Iterable[str] | None = None, branch
 
     Example: `sensitivities(skeleton_of(Scene())).slips[0].by["phi_n"]`
     """
+    skeleton = skeleton_in(skeleton)
     allowed = continuous(skeleton.scene)
     names = None if names is None else tuple(names)
     for name in names or ():

@@ -16,7 +16,7 @@ from ..continuation.corrector import Corrector
 from ..continuation.fold import FoldOptions, fold_near
 from ..continuation.state import End, Point
 from ..following.moved import NotFollowed
-from ..following.skeleton import Skeleton
+from ..following.skeleton import skeleton_in
 from ..run.frame import contact_area, forces, slips_in
 from ..scene import Scene
 from ..text import counted
@@ -68,7 +68,7 @@ def unstable_branch(run: Any, slip: int = 0, most: int = MOST) -> UnstableBranch
 
     Example: `unstable_branch(simulate(Scene()), 1).F_bar`
     """
-    skeleton = run if isinstance(run, Skeleton) else run.skeleton
+    skeleton = skeleton_in(run)
     passes = [at for _, at in zip(slips_in(skeleton), skeleton.trace.passes(), strict=False)]
     if not 0 <= slip < len(passes):
         raise IndexError(f"slip = {slip}: allowed for this run: 0 .. {len(passes) - 1}; choose another")

@@ -29,7 +29,7 @@ from ..threads import computation
 from .approach import begun, latest, rested, undeformed, walk
 from .moved import NotFollowed, Solver
 from .refinement import refined
-from .skeleton import Held, Skeleton
+from .skeleton import Held, Skeleton, skeleton_in
 
 # force evaluations, seven times those of the default: one landing at a saddle took ten exact runs. In the overdamped
 # limit surfaces come to rest far more slowly
@@ -109,8 +109,9 @@ def certify(skeleton: Skeleton, limit: int | None = None, known: Certificate | N
 
     Example: `certify(follow(skeleton_of(Scene()), Scene(E=72.0))).skeleton.slips`
     """
-    if not isinstance(skeleton, Skeleton):
-        raise TypeError(f"skeleton = {type(skeleton).__name__}: allowed: a Skeleton; use skeleton_of(scene)")
+    skeleton = skeleton_in(skeleton)
+    if not isinstance(known, Certificate | None):
+        raise TypeError(f"known = {type(known).__name__}: allowed: a Certificate; use certify(skeleton)")
     if limit is None:
         limit = LIMIT if isfinite(skeleton.scene.damping) else OVERDAMPED
     check, exact = _Check(skeleton, limit), None

@@ -19,7 +19,7 @@ from ..scene import CHOICES, LIMITS, Scene, SceneError, checked_scene
 from ..threads import computation
 from .moved import NotFollowed, Solver, moved_branch, moved_folds
 from .refinement import refined
-from .skeleton import Held, Skeleton
+from .skeleton import Held, Skeleton, skeleton_in
 
 DISCRETE = *CHOICES, "nodes", "waves", "seed", "measured"  # parameters that are not continuous
 # parameters that do not change the jump into contact: they belong to the path, or to how it is computed
@@ -46,7 +46,7 @@ def follow(skeleton: Skeleton, scene: Scene) -> Skeleton:
 
     Example: `follow(skeleton_of(Scene()), Scene(E=72.0)).slips`
     """
-    checked_scene(scene)
+    skeleton, scene = skeleton_in(skeleton), checked_scene(scene)
     for name in DISCRETE:
         if getattr(skeleton.scene, name) != getattr(scene, name):
             raise NotFollowed(f"{name} does not change continuously")

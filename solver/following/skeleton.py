@@ -158,3 +158,11 @@ def tractions(scene: Scene, first: int, v: NDArray[np.float64]) -> NDArray[np.fl
         gap = profile + part[:, m : 2 * m]
         T[k : k + few] = traction(scene, part[:, :m], gap).swapaxes(0, 1)
     return T
+
+
+def skeleton_in(run: object) -> Skeleton:
+    """A Skeleton itself, or that of a Result or a Certificate; raises TypeError, which names what to pass."""
+    found = getattr(run, "skeleton", run)
+    if isinstance(found, Skeleton):
+        return found
+    raise TypeError(f"skeleton = {type(run).__name__}: allowed: a Skeleton; use skeleton_of(scene)")

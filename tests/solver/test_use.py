@@ -11,6 +11,7 @@ from solver import (
     Scene,
     SceneError,
     advance,
+    certify,
     follow,
     load_path,
     sensitivities,
@@ -18,6 +19,7 @@ from solver import (
     skeleton_from,
     skeleton_of,
     sweep,
+    unstable_branch,
     whole_surface,
 )
 from solver.analysis.friction_laws import friction_force
@@ -94,6 +96,16 @@ def test_a_dict_in_place_of_a_scene_is_answered_by_what_to_write():
     for entry in (load_path, advance, sweep, skeleton_of, lambda scene: follow(skeleton_of(SMALL), scene)):
         with pytest.raises(TypeError, match="allowed: a Scene; write Scene"):
             list(entry({}))
+
+
+@pytest.mark.parametrize(
+    "use", [certify, sensitivities, unstable_branch, lambda run: follow(run, SMALL.changed(E=72.0))]
+)
+def test_a_skeleton_is_taken_from_a_result_and_anything_else_refused_by_what_to_write(use):
+    result = simulate(SMALL)
+    assert type(use(result)) is type(use(result.skeleton))
+    with pytest.raises(TypeError, match=r"skeleton = Scene: allowed: a Skeleton; use skeleton_of\(scene\)"):
+        use(SMALL)
 
 
 def test_refusals_of_parameters_are_printed_in_ascii():
