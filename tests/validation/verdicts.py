@@ -2,6 +2,7 @@
 
 import os
 import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
 from math import exp, isfinite
 from time import perf_counter
@@ -30,6 +31,7 @@ LIMIT = 300.0
 WORK = 2e7  # node evaluations, at 20 to 40 ns each, after which a run is cut short between increments and checked
 SAMPLES = 8  # frames of a scene that are rechecked, besides those that slipped: enough to see every stage of a run
 SLIPS = 4  # frames with slips that are rechecked: more slips of a run repeat these
+MEMORY = 1e9  # bytes of the frames that are kept: 16,384 nodes and a fine du_z made 17 GB
 DENSE = 256  # nodes of the cell up to which the stability of frames is checked: half a second for each
 SPECTRA = 3  # frames whose stability is checked, besides those that slipped and the last
 SIDEWAYS = ("shear", "back", "forth")  # stages in which a load may be held
@@ -82,13 +84,8 @@ def _assessed(case):
         scene = case.scene()
     except SceneError as error:
         return Verdict("refused", str(error)), {}
-    verdict, frames = run(scene)
-    numbers = {
-        "frames": len(frames),
-        "evaluations": sum(frame.evaluations for frame in frames),
-        "slips": sum(len(frame.slips) for frame in frames),
-        "asked": sum(step.increments + 1 for step in load_steps_of(scene)),
-    }
+    verdict, frames, counts = run(scene)
+    numbers = dict(counts) | {"asked": sum(step.increments + 1 for step in load_steps_of(scene))}
     for check in (rechecked, stable):
         if verdict.verdict in BAD:
             break
@@ -98,23 +95,29 @@ def _assessed(case):
     return verdict, numbers
 
 
-def run(scene: Scene) -> tuple[Verdict, list[Frame]]:
-    """(the Verdict on a run by its frames alone, the frames)."""
+def run(scene: Scene) -> tuple[Verdict, list[Frame], Counter[str]]:
+    """(the Verdict on a run by its frames alone, the frames, numbers of them, their evaluations and slips).
+
+    Of frames that take more than MEMORY every second one without a slip goes, again and again.
+    """
     frames: list[Frame] = []
-    work = 0
+    counts, work = Counter(frames=0, evaluations=0, slips=0), 0
     try:
         for frame, _ in until(scene, limit=ANSWER):
             if wrong := _wrong(scene, frame):
-                return wrong, frames
+                return wrong, frames, counts
             frames.append(frame)
+            counts.update(frames=1, evaluations=frame.evaluations, slips=len(frame.slips))
+            if len(frames) * (frame.u.nbytes + frame.T.nbytes) > MEMORY:
+                frames = [each for k, each in enumerate(frames) if k % 2 == 0 or each.slip]
             work += frame.evaluations * frame.u.shape[1]
             if work > WORK:
                 break
     except PulledOff as end:  # a soft machine under tension: no failure of the solver
-        return Verdict("converged", str(end)), frames
+        return Verdict("converged", str(end)), frames, counts
     except NotConverged as failure:
-        return Verdict("gave up", str(failure)), frames
-    return Verdict("converged"), frames
+        return Verdict("gave up", str(failure)), frames, counts
+    return Verdict("converged"), frames, counts
 
 
 def _wrong(scene, frame):
