@@ -20,6 +20,8 @@ from .run import compute
 SUMMARY = "A_0", "U_s", "F_s", "L_s", "A_s", "L_min", "L_off", "slips"  # of a summary
 NUMBERS = "U_x", "delta", "F", "L", "A"  # of an event or a frame
 NEEDED = "allowed: a JSON or NPZ file that run --json, run --npz or the app wrote"
+# where such a run ends does not depend on its scene alone
+CUT_SHORT = Outcome.OUT_OF_TIME, Outcome.OUT_OF_MEMORY
 
 
 def add_verify(commands: Any) -> None:
@@ -44,7 +46,7 @@ def verify(arguments: argparse.Namespace) -> int:
     result = compute(scene, report["method"], arguments.limit)
     if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
-    if result.outcome is Outcome.OUT_OF_TIME:  # where it ends does not depend on the scene alone
+    if result.outcome in CUT_SHORT:
         raise NotConverged(f"not compared: {result.failure}")
     frames, failure = result.frames, result.failure
     after = [frame for frame in frames if frame.stage != "approach"]
@@ -82,7 +84,7 @@ def _read(file):
         if report[name] not in allowed:
             remedy = f"allowed: {', '.join(map(str, allowed))}; use the version that wrote it, or write it again"
             raise InputError(f"{file!r}: {name} {report[name]}; {remedy}")
-    if (outcome := report.get("outcome")) in (Outcome.OUT_OF_TIME, Outcome.INTERRUPTED):
+    if (outcome := report.get("outcome")) in (*CUT_SHORT, Outcome.INTERRUPTED):
         remedy = "allowed: a run that was not cut short; run it again, with a larger --limit"
         raise InputError(f"{file!r}: outcome {outcome}; {remedy}")
     given = {name: inf if value == "inf" else value for name, value in report["scene"].items()}
