@@ -201,7 +201,8 @@ def _numbers(scene, frame, work):
     if not scene.legs:
         return ORDER.index(frame.stage), *numbers, len(frame.slips), *slip, work
     at = position(frame)
-    slip = position(frame, first) if first else at, *slip[1:]
+    if frame.stage != "approach":  # which is drawn along delta
+        slip = position(frame, first) if first else at, *slip[1:]
     return stages_of(scene).index(frame.stage), *numbers, len(frame.slips), *slip, work, at
 
 

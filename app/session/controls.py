@@ -158,7 +158,7 @@ def scene_from_address(arguments: Any) -> tuple[Scene, str, list[str]]:
     notes = [_unknown(name) for name in arguments if name not in FOR_SERVER and name not in FOR_BROWSER]
     name = entries.get("preset", DEFAULT)
     if name not in presets():
-        notes.append(f"There is no preset “{name[:40]}”: Menu, Preset lists all. The default is shown.")
+        notes.append(f"There is no preset “{name[:40]}”: the list of experiments has all. The default is shown.")
         name = DEFAULT
     base = presets()[name].scene
     for feature in interface.classes().values():

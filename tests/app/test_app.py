@@ -129,6 +129,18 @@ def test_a_flat_is_packed_with_only_the_drawn_nodes():
     assert fields["T_x"][-1] == pytest.approx(frames[-1].T[0, 0], rel=ROUNDED)
 
 
+@pytest.mark.parametrize(
+    "path", [{"delta_bar": 0.2, "u_x_max": 1.0}, {"path": "points", "points": "0,-1; 0,0.2; 1,0.2"}]
+)
+def test_the_jump_of_an_approach_lies_on_its_curve_along_delta(path):
+    """On a path through points it was marked 2 nm beside it, at its place along the whole path."""
+    scene = SHORT.changed(**path)
+    jump = next(frame for frame in advance(scene, None, np.inf)[0] if frame.slips)
+    columns = [unpacked(block)[1] for block in whole_run(scene).blocks]
+    marked = np.concatenate([each["slip_at"][each["slip"] > 0] for each in columns])
+    assert jump.stage == "approach" and marked[0] == pytest.approx(jump.slips[0].load, abs=1e-4)
+
+
 def test_nodes_that_packed_frames_leave_out_are_too_far_apart_to_be_seen():
     scene = SHORT.changed(delta_bar=-0.9, u_x_max=1.0)
     frame = advance(scene, None, np.inf)[0][-1]

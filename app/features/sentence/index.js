@@ -12,9 +12,16 @@ export const connect = () => frame(["picture", "playing", "dragging", "run", "gh
 const compared = memory() // the runs
 let sentence = { key: "", text: "", k: 0, since: -Infinity } // on screen
 
+const PULLED_OFF = { key: "off end", text: "It pulls off: the contact cannot hold this pull any longer." }
+
+// Whether frame k is the last one of a run that ends there, under a held load: then the status says where
+const pullsOff = (run, k) => run.whole && k === run.length - 1 && me.status.state === "finished" && me.status.why
+  && run.scene.hold === "load" && !run.followed
+
 // The live sentence beside the hero: the phase while it plays, what happens at rest; and what the last change has done
 function tellNow(run, k) {
-  const moving = me.playing || me.dragging, next = moving ? phaseSentence(run, k) : nowSentence(run, k)
+  const moving = me.playing || me.dragging
+  const next = pullsOff(run, k) ? PULLED_OFF : moving ? phaseSentence(run, k) : nowSentence(run, k)
   const said = saidNext(sentence, next, { moving, k, run, dragging: me.dragging, time: performance.now() })
   tell(by("sentence"), said.text)
   me.said = said.text

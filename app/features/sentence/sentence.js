@@ -31,7 +31,8 @@ export function saidNext(before, next, { moving, k, time, run, dragging }) {
 // What happens around frame k while a run plays: one sentence for each phase, without numbers that change with the
 // frame
 export function phaseSentence(run, k) {
-  const at = Math.min(Math.max(k, run.sheared + 1), run.length - 1) // not "at rest" while the top moves
+  const lowered = run.normal && k < run.sheared // else not "at rest" while the top moves
+  const at = lowered ? k : Math.min(Math.max(k, run.sheared + 1), run.length - 1)
   const stage = run.sheared < 0 ? "" : run.stage(at), sheared = ["shear", "back"].includes(stage)
   const slips = sheared && !run.transient
     ? run.frames((i) => run.curves.slip[i] && i > run.sheared && run.stage(i) === stage) : []
@@ -172,14 +173,14 @@ export const swing = ({ low, high }) => (
 
 // {low, high, from} of F where a whole run slides without slips, from its first top on; null
 function smooth(run, k) {
-  const { slip, F, stage } = run.curves
+  const { slip, F, U_x, stage } = run.curves
   if (!run.whole || run.normal || run.head.span[0] < 0) return null
   if (run.slides === undefined) {
     let top = Math.max(0, run.sheared) + 1
     while (top < F.length - 1 && F[top + 1] >= F[top]) top++
     const list = F.slice(top), low = Math.min(...list), high = Math.max(...list)
     const slides = top < F.length - 1 && !slip.some((slipped, i) => slipped && i > run.sheared)
-      && stage[top] === stage.at(-1)
+      && stage[top] === stage.at(-1) && Math.abs(U_x.at(-1) - U_x[top]) >= run.head.spacing
     run.slides = slides ? { low, high, from: top } : null
   }
   return run.slides && k >= run.slides.from ? run.slides : null

@@ -63,8 +63,10 @@ def read(tab, run, before=None):
     slips = [k for k, frame in enumerate(run.frames) if frame.slips][:4]
     at = sorted({*map(int, np.linspace(0, last, POINTS)), *slips, *(min(k + 3, last) for k in slips)})
     found = tab.evaluate(READ, {"now": run.blocks, "before": before and before.blocks, "at": at})
-    # a phase is never that at rest while the top moves
-    frames = [k for each in at for k in (each, min(max(each, run.sheared + 1), last))]
+    # a phase is never that at rest while the top moves; a retraction is played from its approach on
+    lifted = run.scene.path == "unload"
+    phases = [each if lifted and each < run.sheared else min(max(each, run.sheared + 1), last) for each in at]
+    frames = [k for both in zip(at, phases, strict=True) for k in both]
     return list(zip(frames, found["said"], strict=True)), found["change"]
 
 
@@ -365,6 +367,29 @@ def test_each_phase_of_playback_has_one_sentence_long_enough_to_read(tab):
 def test_smooth_sliding_is_one_phase_with_its_force_range(tab):
     seen = tab.evaluate(PLAYED, {"now": whole(SMOOTH).blocks, "speed": 4.0})
     assert seen[-1]["text"] == "It slides without slips: friction swings by ±357 N/m in every lattice period."
+
+
+def test_a_retraction_is_not_called_raised_before_it_is(tab):
+    """It was played from its approach on, and said all the way down that adhesion holds the raised punch."""
+    seen = tab.evaluate(PLAYED, {"now": whole(Scene(path="unload", du_x=0.2, du_z=0.2)).blocks, "speed": 4.0})
+    texts = [one["text"] for one in seen]
+    raised = next(k for k, text in enumerate(texts) if text.startswith("Raised"))
+    assert texts[0].startswith("The punch comes down")
+    assert raised > 1 and texts[raised - 1].startswith(("Lowered", "It jumps"))
+
+
+def test_a_run_that_pulls_off_says_so_at_its_end(visit):
+    """It said that it slides without slips, in every lattice period, and ended within the first."""
+    page = visit("?hold=load&delta_bar=-0.2&phi_ratio=0.5&nodes=64&width=160&radius=0.2&u_x_max=10")
+    page.wait_for_function("punch.run?.whole && punch.status.state === 'finished'")
+    page.evaluate(
+        """() => {
+            const scrub = document.getElementById('scrub')
+            scrub.value = punch.run.length - 1
+            scrub.dispatchEvent(new Event('input', { bubbles: true }))
+        }"""
+    )
+    page.wait_for_function("document.getElementById('sentence').textContent.startsWith('It pulls off')")
 
 
 def test_a_friction_that_vanishes_has_no_range_of_zero(tab):
