@@ -201,7 +201,8 @@ class _Search:
         residuals = vectors.T @ self.w[:n] - (vectors * mu).T @ self.v[:n]
         miss = np.sqrt((np.abs(residuals) ** 2).sum(axis=1))
         rates, depth = rate(mu, friction), inside(mu, friction)
-        doubt = miss / np.maximum(depth, TINY)
+        with np.errstate(over="ignore"):  # none is deep where a pair is as good as growing
+            doubt = miss / np.maximum(depth, TINY)
         fastest = int(np.argmax(rates - ROUND_OFF * np.abs(mu)))  # of equal ones, to round-off, the nearest to zero
         error = _error(miss[fastest], mu[fastest], friction)
         return _Pairs(mu, vectors, residuals, depth, doubt, fastest, float(rates[fastest]), error, nearest)

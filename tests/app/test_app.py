@@ -101,7 +101,9 @@ def test_a_retired_parameter_in_the_address_is_reported_and_left_out():
 
 def test_an_unknown_preset_in_the_address_is_reported_and_replaced_by_the_default():
     scene, preset, notes = scene_from_address({"preset": [b"fig99"]})
-    assert scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "the list of experiments has all" in notes[0]
+    assert (
+        scene == Scene() and preset == "fig6" and "fig99" in notes[0] and "the list of experiments has all" in notes[0]
+    )
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import spectrum
 
-from solver import Scene, SceneError
+from solver import Scene, SceneError, simulate
 from solver.accuracy.report import notes
 from solver.cautions import flutter
 from solver.continuation.rest import Judge, rate
@@ -196,3 +196,11 @@ def test_much_damping_costs_no_searches_along_a_branch(damping):
     ]
     # a single search takes some 15 evaluations more or less, of about 600; a search in every increment doubles them
     assert spent[1] < 1.1 * spent[0]
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_stiff_layer_without_friction_is_judged_without_a_warning_of_numpy():
+    """A pair as good as growing has no depth: the doubt about it is infinite, and was an overflow."""
+    pressed = {"delta_bar": 30.0, "du_x": 1.0, "du_z": 1.0, "u_x_max": 1.0}
+    stiff = Scene(E=488700.0, phi_ratio=0.0, nu=0.4999, nodes=256, width=624.64, damping=0.5, **pressed)
+    assert simulate(stiff, limit=4.0).frames
