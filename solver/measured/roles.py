@@ -18,7 +18,7 @@ NEEDED_BY = {
 NEEDED = "; ".join(NEEDED_BY.values())
 KINDS = ("friction", "loop", "load", "area")
 ROLES = ("U_x", "delta", "time", "F", "F_bar", "L", "L_bar", "A", "A_bar", "segment", "stage")  # of `columns`
-# by a sensor, the best first; then what the piezo was told
+# heights that a sensor measured, the best first; then setpoints of the piezo
 HEIGHTS = (
     *("heightmeasured", "measuredheight", "capacitivesensorheight"),
     *("heightmeasuredsmoothed", "smoothedmeasuredheight", "smoothedcapacitivesensorheight", "height", "heightpiezo"),

@@ -26,14 +26,14 @@ def wave(points=64):
 
 
 def force_curve(heights, measured):
-    """Two segments as a force microscope exports them, with the height that was asked for and the measured one."""
+    """Two segments as a force microscope exports them, with the setpoint of the height and the measured one."""
     head = "# segment: {}\n# columns: height vDeflection {}\n# units: m N m\n"
     rows = [f"{1e-6 - 1.39e-9 * at:.5e} {max(at, -2) * 1e-9:.3e} {1e-6 - 1e-9 * at:.5e}" for at in heights]
     return "\n".join([head.format("extend", measured), *rows, "", head.format("retract", measured), *rows[::-1]])
 
 
 @pytest.mark.parametrize("measured", ["measuredHeight", "capacitiveSensorHeight", "smoothedMeasuredHeight"])
-def test_a_measured_height_comes_before_the_one_that_the_piezo_was_told(measured):
+def test_a_measured_height_comes_before_the_setpoint_of_the_piezo(measured):
     curve = read(force_curve(range(-10, 21), measured))
     assert [np.ptp(segment.x) for segment in curve.segments] == pytest.approx([30.0, 30.0])
     assert "Not used: height." in curve.notes
