@@ -22,7 +22,8 @@ const EVENT = /^(slip|in|off|part) / // keys of sentences about a slip or a jump
 // place or another run. While a slider is held (dragging) runs follow each other as frames do
 export function saidNext(before, next, { moving, k, time, run, dragging }) {
   const another = run !== before.run, same = next.key === before.key
-  const ends = k < before.k || k > before.k + LEAP || (another && !dragging) || (EVENT.test(next.key) && !same)
+  const turns = run && !another && run.stage(k) !== run.stage(before.k) // it is raised, or pulled back
+  const ends = turns || k < before.k || k > before.k + LEAP || (another && !dragging) || (EVENT.test(next.key) && !same)
   const stays = moving && !ends && time - before.since < HOLD
   if (next.text === before.text || (moving && same && !another) || stays) return { ...before, k, run }
   return { ...next, k, since: time, run }

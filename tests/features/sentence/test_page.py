@@ -413,6 +413,20 @@ def test_a_sentence_does_not_stay_where_the_picture_jumps_to_another_place(tab):
     assert said == ["nothing is pressed together yet", "It sticks."]
 
 
+TURN = """async ({ now }) => {
+    const { saidNext } = await import("http://scripts/features/sentence/sentence.js")
+    const run = await runOf(now), next = { key: "held", text: "Raised." }
+    const before = { key: "in 1", text: "It jumps closer.", k: run.sheared - 1, since: 0, run }
+    return saidNext(before, next, { moving: true, k: run.sheared, time: 100, run }).text
+}"""
+
+
+def test_a_sentence_ends_where_the_top_turns(tab):
+    """Over a raised punch it still said that it jumps closer."""
+    scene = Scene(path="unload", du_x=0.2, du_z=0.2)
+    assert tab.evaluate(TURN, {"now": whole(scene).blocks}) == "Raised."
+
+
 LOOPS = """async ({ now, speed, loops }) => {
     const { phaseSentence, saidNext } = await import("http://scripts/features/sentence/sentence.js")
     const run = await runOf(now), seen = [], MS = 20
